@@ -348,6 +348,21 @@ def test_a_calibration_of_another_program_asks_its_unit(tmp_path):
     assert refused.way is None and "fisheye lenses are not supported" in session_text(refused)
 
 
+def test_the_calibration_of_the_trials_own_day_is_taken(tmp_path):
+    """Of several files that calibrate; where only another day's is there, that is told."""
+    rig = ring(3)
+    write_detections_csv(tmp_path / "2018-08-17_walk.csv", observe(rig, swarm(5, frames=40, seed=2))[0])
+    write_rig_toml(tmp_path / "2018-07-28_rig.toml", rig)
+    other = propose_session(tmp_path)
+    assert other.way.path == "2018-07-28_rig.toml"
+    assert "another day, 2018-07-28: check that no camera was moved" in session_text(other)
+    write_rig_toml(tmp_path / "2018-08-17_rig.toml", rig)
+    found = propose_session(tmp_path)
+    text = session_text(found)
+    assert found.way.path == "2018-08-17_rig.toml" and "another day" not in text
+    assert "2018-07-28_rig.toml could calibrate as well" in text and "not used" not in text
+
+
 @pytest.mark.parametrize(
     ("files", "told"), [(("a.png",), "has 1 recording, and"), (("a.png", "b.mkv"), "has 2 recordings")]
 )

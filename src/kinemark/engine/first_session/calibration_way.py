@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import Literal
 
-from .proposal import NAMING, FoundRecording, Question, Reason, Role, SessionProposal, parsed
+from .proposal import NAMING, FoundRecording, Question, Reason, Role, SessionProposal, day_in, parsed
 
 ASKED = (Role.WAND, Role.SINGLE_MARKER)
 """What a recording that is called a calibration may be where no file of rods or control points is there."""
@@ -20,6 +20,7 @@ def completed(proposal: SessionProposal) -> SessionProposal:
     """The same with the way to the calibration, what goes beside it, and the questions, by the recordings' roles."""
     recordings = tuple(_sided(proposal.recordings))
     ways = [one for role in WAYS for one in recordings if one.role is role and _usable(one, recordings)]
+    ways.sort(key=lambda one: _of_another_day(one, proposal.date))
     way = ways[0] if ways else None
     free = way is not None and way.role in ASKED
     beside = tuple(
@@ -30,6 +31,8 @@ def completed(proposal: SessionProposal) -> SessionProposal:
     )
     notes = [note for note in proposal.notes if note.kind not in OWN_NOTES]
     notes += [Reason("also_calibrates", {"path": one.path, "role": str(one.role)}) for one in ways[1:]]
+    if way is not None and _of_another_day(way, proposal.date):
+        notes.append(Reason("calibrated_another_day", {"path": way.path, "day": day_in(way.path)}))
     if way is None:
         notes.append(Reason("no_calibration"))
         pictures = [one for one in recordings if one.role in TARGETS and one.content == "images"]
@@ -46,7 +49,7 @@ MOVING = 30
 """Images of a camera, from which on a recording may be of a wand in motion; chosen."""
 TARGETS = (Role.CALIBRATION, Role.CONTROL_FRAME)
 RATE = Question("rate_hz")
-OWN_NOTES = ("no_target_file", "also_calibrates", "no_calibration", "no_trials")
+OWN_NOTES = ("no_target_file", "also_calibrates", "calibrated_another_day", "no_calibration", "no_trials")
 
 
 def _sided(recordings: Iterable[FoundRecording]) -> Iterator[FoundRecording]:
@@ -65,6 +68,11 @@ def _sided(recordings: Iterable[FoundRecording]) -> Iterator[FoundRecording]:
             yield replace(one, role=Role.CONTROL_POINTS) if "points" in contents else one
         else:
             yield one
+
+
+def _of_another_day(one: FoundRecording, day: str) -> bool:
+    """Whether the name of a recording says another day than that of the trials; cameras may have been moved since."""
+    return bool(day) and day_in(one.path) not in ("", day)
 
 
 def _usable(one: FoundRecording, recordings: Iterable[FoundRecording]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from enum import StrEnum
@@ -33,6 +34,8 @@ TRIALS = (Role.TRIAL, Role.STATIC)
 """What becomes a table of `[[trials]]`."""
 NAMING = {"trajectories": (Role.TEMPLATE, Role.STATIC_TEMPLATE), "template": (Role.TEMPLATE,)}
 """Content → what in `[label]` it may be; nothing else may."""
+
+DATE = re.compile(r"(?<!\d)(20\d\d)[-_.]?(0[1-9]|1[0-2])[-_.]?(0[1-9]|[12]\d|3[01])(?!\d)")
 
 
 class Reason(NamedTuple):
@@ -150,6 +153,12 @@ class SessionProposal:
         """Everything as plain data."""
         facts: dict[str, Any] = json.loads(json.dumps(asdict(self), default=str))
         return facts
+
+
+def day_in(path: str) -> str:
+    """The day that a name says, YYYY-MM-DD; empty where it says none."""
+    match = DATE.search(path)
+    return "-".join(match.groups()) if match else ""
 
 
 def parsed(question: Question, text: str) -> Answer:

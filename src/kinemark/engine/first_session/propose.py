@@ -36,7 +36,7 @@ from .folder_files import (
     trial_name,
 )
 from .labelled_trials import judged_labelled
-from .proposal import TRIALS, FoundRecording, Reason, Role, SessionProposal
+from .proposal import TRIALS, FoundRecording, Reason, Role, SessionProposal, day_in
 from .role_words import role_of
 
 LOOKED_AT = 60
@@ -47,7 +47,6 @@ CAMERAS_LOOKED_AT = 3
 """Cameras whose images are decoded for it; chosen: one of them sees the motion."""
 First = Literal[False, "top", "bottom"]
 """The field that was taken first."""
-DATE = re.compile(r"(?<!\d)(20\d\d)[-_.]?(0[1-9]|1[0-2])[-_.]?(0[1-9]|[12]\d|3[01])(?!\d)")
 
 
 def propose_session(folder: Path) -> SessionProposal:
@@ -215,10 +214,8 @@ def _distinct(recordings: Sequence[FoundRecording]) -> list[FoundRecording]:
 
 def _date(folder: Path, recordings: Sequence[FoundRecording]) -> str:
     """The day that the names say, of the folder or else of all trials alike."""
-    said = [DATE.search(folder.resolve().name)]
-    if said[0] is None:
-        said = [DATE.search(one.path) for one in recordings if one.role in TRIALS]
-    days = {"-".join(match.groups()) if match else "" for match in said}
+    of_folder = day_in(folder.resolve().name)
+    days = {of_folder} if of_folder else {day_in(one.path) for one in recordings if one.role in TRIALS}
     return days.pop() if len(days) == 1 else ""
 
 

@@ -244,6 +244,7 @@ def _rest(proposal: SessionProposal) -> list[str]:
     used = {
         one.path for one in (*naming, *proposal.trials, *proposal.beside, *([proposal.way] if proposal.way else []))
     }
+    used |= {note.values["path"] for note in proposal.notes if note.kind == "also_calibrates"}
     with_way = (Role.CONTROL_FRAME, Role.CONTROL_POINTS)
     for one in proposal.recordings:
         rods = proposal.way is not None and one.role is proposal.way.role and one.role in with_way

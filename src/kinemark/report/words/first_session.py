@@ -56,6 +56,7 @@ REASONS = {
     "whole_frames": "what moves in {path} shows whole frames",
     "fields": "what moves in {path} shows two fields in an image",
     "markers_dark": "markers are darker than their ground in {path}",
+    "calibrated_another_day": "the name of {path} says another day, {day}: check that no camera was moved since",
     "also_calibrates": "{path} could calibrate as well, by {role}",
     "no_calibration": "no recording calibrates the cameras",
     "no_target_file": "{path} may show a target, and no file says where its markers are: rods.toml or points.csv",

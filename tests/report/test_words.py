@@ -143,6 +143,12 @@ def test_frames_are_singular_and_plural(frames, text):
     assert text in text_of(one)
 
 
+def test_single_frames_in_view_are_no_spans():
+    values = {"complete_share": 0.468, "shown": None, "filled_share": 0.0, "gaps": 0, "longest_s": None}
+    text = text_of(make_finding("completeness", frames=[(1, 1), (12, 12), (25, 90)], **values))
+    assert text.startswith("While the subject was in view (frames 1, 12, 25–90), 46.8")
+
+
 def test_lists_are_singular_and_plural_and_long_ones_are_cut():
     def missing(*names):
         one = make_finding("markers_never_seen", markers=names)

@@ -50,7 +50,7 @@ def _recorded(found: Finding) -> str:
 def _complete(found: Finding) -> str:
     shown = ": each camera shows about {shown} markers at once or more" if found.values["shown"] is not None else ""
     return fill(
-        f"While the subject was in view ({_stretches(found)}), {{complete_share}} of the marker positions are there"
+        f"While the subject was in view ({{frames}}), {{complete_share}} of the marker positions are there"
         f"{shown}{_filled(found)}; {_gaps(found)}.",
         found,
     )
@@ -62,12 +62,6 @@ def _not_known(found: Finding) -> str:
         f"so whole markers may be missing. Of those that were found, {{complete_share}} of the positions are there"
         f"{_filled(found)}; {_gaps(found)}.",
         found,
-    )
-
-
-def _stretches(found: Finding) -> str:
-    return f"frames {' and '.join(f'{first} to {last}' for first, last in found.frames[:3]) or '–'}" + (
-        f" and {len(found.frames) - 3} more stretches" if len(found.frames) > 3 else ""
     )
 
 

@@ -62,7 +62,7 @@ NO_POSITIONS = {
         track.diagnose_model label.reliability label.score_labels label.shredded engine.before engine.load_named
         engine.save_named label.figure_template data.sides_by_name label.template_of_subjects io.marker_sets
         io.read_marker_set io.write_marker_set label.score_switches label.cut_truth io.prefixes_of io.modeled_points
-        sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
+        sensitivity.placed_points sensitivity.typical
         engine.calibrate_method engine.frame_of engine.source_of engine.is_da
         engine.answered engine.beside_key engine.earlier_calibrations engine.last_calibration engine.with_facts
         engine.calibration_table
@@ -87,11 +87,9 @@ NO_POSITIONS = {
 """By what they take instead, functions without a case."""
 
 BY_THE_ORIGIN = """
-    io.read_cp io.read_cp_set io.write_cp sensitivity.calibration_experiment sensitivity.laboratory
-    sensitivity.first_order_bound sensitivity.linear_points sensitivity.marker sensitivity.marker_experiment
-    sensitivity.parameter_bound"""
-"""UM²AS (eq. 2.4, 4.1 to 4.3) solves for eleven parameters in units of the depth of the world's origin, writes them
-with seven digits, and gives errors in percent of the distance from it: for these the origin is not arbitrary."""
+    io.read_cp io.read_cp_set io.write_cp"""
+"""UM²AS (eq. 2.4) solves for eleven parameters in units of the depth of the world's origin, and writes
+them with seven digits: for these the origin is not arbitrary."""
 
 
 def public_functions():

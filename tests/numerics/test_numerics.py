@@ -23,7 +23,7 @@ from kinemark.numerics.row_quantiles import row_medians, row_quantiles
 from kinemark.numerics.runs import begins, equal_runs, true_runs, true_runs_of_rows
 from kinemark.numerics.scaled import scaled_inverse, scaled_solution
 from kinemark.numerics.schur import BlockEquations, block_inverses, block_step, schur_complement
-from kinemark.numerics.small_matrices import inverse2, inverse3, solve3, solve3_entries
+from kinemark.numerics.small_matrices import inverse2, inverse3, solve3
 from kinemark.numerics.vectors import across, cross, cross_matrix, lengths, perpendicular_pair
 
 T = np.linspace(0, 2, 40)
@@ -230,8 +230,6 @@ def test_small_systems_are_those_of_lapack():
     x3 = np.linalg.solve(A3, b3[..., None])[..., 0]
     assert inverse3(A3) == pytest.approx(np.linalg.inv(A3), rel=1e-8)
     assert solve3(A3, b3) == pytest.approx(x3, rel=1e-8)
-    entries = [A3[:, i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))]
-    assert pytest.approx(x3, rel=1e-8) == solve3_entries(entries, list(b3.T)).T
     assert inverse2(A2) == pytest.approx(np.linalg.inv(A2), rel=1e-8)
 
 

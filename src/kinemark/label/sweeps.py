@@ -95,10 +95,10 @@ class Decided:
             both = seen @ taken
         return both == 0
 
-    def assign(self, stretches: Stretches, tracks: Ints, score: Floats, least: float = 0.0) -> None:
-        """Tracks (n) seen together take free labels, with the greatest sum of scores (n, L) above `least`."""
+    def assign(self, stretches: Stretches, tracks: Ints, score: Floats) -> None:
+        """Tracks (n) seen together take free labels, with the greatest sum of scores (n, L) above 0."""
         open_ = self.free(stretches, tracks) & (stretches.fixed[tracks] == FREE)[:, None]
-        gain = np.where(open_, np.maximum(score - least, 0.0), 0.0)
+        gain = np.where(open_, np.maximum(score, 0.0), 0.0)
         rows, columns = scipy.optimize.linear_sum_assignment(-gain)
         good = gain[rows, columns] > 0
         self.give(stretches, tracks[rows[good]], columns[good])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from kinemark.numerics.evenly import evenly
+from kinemark.numerics.evenly import evenly, evenly_rounded
 from kinemark.numerics.finite import finite_mean, finite_median
 from kinemark.numerics.levenberg_marquardt import NIELSEN, Damping, Iterates, damped_step, minimise, minimise_many
 from kinemark.numerics.robust import (
@@ -353,8 +353,9 @@ def test_medians_and_quantiles_of_rows_with_gaps_are_those_of_numpy_to_the_last_
 
 
 @pytest.mark.parametrize(("n", "most"), [(-3, 5), (0, 5), (1, 5), (5, 5), (6, 5), (99, 7), (1000, 300), (7, 1)])
-def test_a_few_of_many_are_distinct_and_reach_both_ends(n, most):
-    few = evenly(n, most)
+@pytest.mark.parametrize("spread", [evenly, evenly_rounded])
+def test_a_few_of_many_are_distinct_and_reach_both_ends(n, most, spread):
+    few = spread(n, most)
     assert len(few) == max(min(n, most), 0) and (np.diff(few) > 0).all()
     assert n <= 0 or few[0] == 0
     assert min(n, most) < 2 or (few[-1] == n - 1 and np.ptp(np.diff(few)) <= 1)

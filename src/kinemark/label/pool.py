@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..data.array_types import Floats
+from ..numerics.evenly import evenly_rounded
 from .evidence import OF_SIZE, RELATIVE, WIDER, Single
 from .stretches import GRID_HZ
 from .template import Template
@@ -33,7 +34,7 @@ LEAST_SHARE = 0.6
 
 def pooled(template: Template, y: Single) -> Template:
     """The template after the trial's labelled places y (K, L, 3)."""
-    some = np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))
+    some = evenly_rounded(len(y), FRAMES)
     xyz = y[some]
     d = np.sqrt(((xyz[:, :, None] - xyz[:, None]) ** 2).sum(-1)).astype(float)
     D, S, doubt = template.distance, template.spread, np.asarray(template.doubt)

@@ -31,6 +31,7 @@ from ..data.array_types import Bools, Floats
 from ..data.arrays import check_positive, column, set_columns
 from ..data.computed_points import computed_points
 from ..data.short_repr import ShortRepr
+from ..numerics.evenly import evenly_rounded
 from ..numerics.vectors import lengths
 from .own_fit import own_fit
 
@@ -200,7 +201,7 @@ def names_in(trials: Sequence[Trajectories]) -> tuple[str, ...]:
 def _sampled(trial: Trajectories, names: tuple[str, ...]) -> tuple[Floats, float]:
     """(L, K, 3) places about one of them in some frames, and how many frames a second these are."""
     F = trial.n_frames
-    rows = np.unique(np.linspace(0, F - 1, min(F, FRAMES)).round().astype(int))
+    rows = evenly_rounded(F, FRAMES)
     xyz = np.full((len(names), len(rows), 3), np.nan)
     for path in trial:
         if path.name in names:

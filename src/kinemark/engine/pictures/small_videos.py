@@ -71,13 +71,13 @@ class Watched:
 
 
 def watched(
-    images: Mapping[str, ImageSource], taken: Mapping[str, CameraFrames], first: int, results: Path
+    images: Mapping[str, ImageSource], taken: Mapping[str, CameraFrames], first: int, results: Path, *, most: int = MOST
 ) -> list[CameraFrames]:
     """What is to be read of each camera, watched where single frames of it cost many.
 
     Args:
         images: of each camera, the whole recording; taken: what is read of it, which begins at frame `first`, from 0.
-        results: folder of the trial's results; small videos of other recordings go from it.
+        results: folder of the trial's results; small videos of other recordings go from it. most: bytes of them all.
     """
     dependent = [name for name, source in images.items() if source.video and has_dependent_frames(source.paths[0])]
     folder = results / FOLDER / recording_key(images)
@@ -88,7 +88,7 @@ def watched(
     found = dict(taken)
     for name in dependent:
         path = folder / f"{name}_{first}.mkv"
-        found[name] = Watched(taken[name], Smaller(tiles[name]), path, most=MOST // len(dependent))
+        found[name] = Watched(taken[name], Smaller(tiles[name]), path, most=most // len(dependent))
     return list(found.values())
 
 

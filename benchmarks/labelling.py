@@ -29,22 +29,11 @@ os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 import numpy as np
 from labelling_cases import VARIED, Row, Shredding, more_rows, rows, walkers, with_one_beside
 from labelling_parts import rows_of_parts
+from labelling_scores import LabelScore, SwitchScore, cut_truth, reliability, score_labels, score_switches
+from labelling_shredded import Shredded, shredded
 from metrics import Metric
 
-from kinemark.label import (
-    Distances,
-    Labels,
-    LabelScore,
-    Shredded,
-    SwitchScore,
-    cut_truth,
-    label,
-    label_switching,
-    reliability,
-    score_labels,
-    score_switches,
-    shredded,
-)
+from kinemark.label import Distances, Labels, label, label_switching
 from kinemark.label.bystanders import among_bystanders
 
 

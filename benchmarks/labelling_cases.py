@@ -92,7 +92,7 @@ class Row(NamedTuple):
 
 
 class Shredding(NamedTuple):
-    """How a trial is made into tracks: arguments of `label.shredded`."""
+    """How a trial is made into tracks: arguments of `shredded`."""
 
     pieces: int = 1
     ghosts: float = 2.0

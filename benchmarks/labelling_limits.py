@@ -21,9 +21,10 @@ os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import numpy as np
 from labelling_cases import ROOT, read
+from labelling_shredded import shredded
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.label import Labels, Template, label, learn_template, shredded
+from kinemark.label import Labels, Template, label, learn_template
 
 KNOWN, RAW = "labelling/PronetoRun01.c3d", "labelling/S01_Pronetokneel01_mksrem.c3d"
 RATIOS = (0.95, 1.0, 1.05)

@@ -26,14 +26,15 @@ from labelling_cases import (
     read,
     whole_body,
 )
+from labelling_scores import score_labels
+from labelling_shredded import GHOSTS, Shredded, shredded
 
 from kinemark.data import MarkerSet, MarkerTrajectory, Trajectories
 from kinemark.data.array_types import Floats
 from kinemark.io.marker_sets import read_marker_set
-from kinemark.label import Shredded, label, learn_template, score_labels, shredded, static_template
+from kinemark.label import label, learn_template, static_template
 from kinemark.label.bystanders import among_bystanders
 from kinemark.label.from_set import static_bystanders
-from kinemark.label.shredded import GHOSTS
 
 MARKERS_OF_LEGS = "LASI RASI SACR LPSI RPSI LTHI LKNE LTIB LANK LHEE LTOE RTHI RKNE RTIB RANK RHEE RTOE"
 """Of plug-in-gait-lower, and the sacrum."""

@@ -25,15 +25,16 @@ from unittest.mock import patch
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import numpy as np
+from labelling_scores import BINS
+from labelling_shredded import Shredded, shredded
 from labelling_shreds import drawn, seeds_of
 
 import kinemark.label.distances as of_distances
 from kinemark.data.array_types import Bools, Floats
-from kinemark.label import Distances, Labels, Shredded, Template, label, shredded
+from kinemark.label import Distances, Labels, Template, label
 from kinemark.label.calibration import calibrated_shift
 from kinemark.label.distances import probability_by
 from kinemark.label.margin import Margins
-from kinemark.label.score import BINS
 
 KEPT = Path(__file__).with_name("labelling_reliability.csv")
 """Labels of shreds that no coefficient was chosen on when they were labelled."""

@@ -42,10 +42,12 @@ from labelling_cases import (
     walkers,
     walkers_of_many_kinds,
 )
+from labelling_scores import BINS
+from labelling_shredded import shredded
 
 from kinemark.data import Trajectories
 from kinemark.data.array_types import Bools, Floats, Ints
-from kinemark.label import Distances, shredded
+from kinemark.label import Distances
 from kinemark.label.decided_sides import at_most_even, decided_sides
 from kinemark.label.distances import probability_of_all
 from kinemark.label.evidence import PairScore
@@ -60,7 +62,6 @@ from kinemark.label.margin import (
     margins,
     track_features,
 )
-from kinemark.label.score import BINS
 from kinemark.label.solve import solve
 from kinemark.label.stretches import stretches_of
 

@@ -8,11 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
 from kinemark.data import Validity
 from kinemark.detect import Blobs
 from kinemark.numerics.runs import true_runs_of_rows
+from kinemark.report.field_pictures import LETTERS, FieldPicture, field_svg, shown_size
 
 Images = NDArray[np.uint8]
 
@@ -63,6 +65,41 @@ def _frames(blobs: Blobs) -> list[str]:
             f'<circle cx="{u:.1f}" cy="{v:.1f}" r="1.3" fill="{colour}"/>'
         )
     return shapes
+
+
+def enclosing(blobs: Sequence[Blobs], size: tuple[int, int], margin: int) -> tuple[int, int, int, int]:
+    """The region of images of `size` (width, height) px that encloses all valid detections, and so many px more.
+
+    Raises:
+        ValueError: there is no valid detection.
+    """
+    valid = [one.validity == Validity.VALID for one in blobs]
+    uv = np.concatenate([one.uv[v] for one, v in zip(blobs, valid, strict=True)])
+    if not len(uv):
+        raise ValueError("there is no valid detection: nothing can be enclosed")
+    half = np.concatenate([np.stack([b.width, b.height], 1)[v] / 2 for b, v in zip(blobs, valid, strict=True)])
+    low = np.maximum(np.floor((uv - half).min(0)) - margin, 0).astype(int)
+    high = np.minimum(np.ceil((uv + half).max(0)) + margin, np.array(size) - 1).astype(int)
+    return int(low[0]), int(low[1]), int(high[0]), int(high[1])
+
+
+def stacked_svg(pictures: Sequence[FieldPicture], captions: Sequence[str]) -> str:
+    """Pictures one below another as one SVG of its own, each with its caption above."""
+    sizes = [shown_size(picture) for picture in pictures]
+    wide = max(size[0] for size in sizes)
+    letters, y, parts = wide * LETTERS, 0.0, Markup("")
+    for picture, caption, (width, height) in zip(pictures, captions, sizes, strict=True):
+        parts += Markup('<text x="0" y="{:.1f}" font-size="{:.1f}">{}</text>').format(
+            y + 1.2 * letters, letters, caption
+        )
+        parts += Markup('<svg y="{:.1f}" width="{}" height="{}">{}</svg>').format(
+            y + 1.6 * letters, width, height, field_svg(picture)
+        )
+        y += height + 2.2 * letters
+    return Markup(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {} {:.0f}" font-family="sans-serif">'
+        '<rect width="100%" height="100%" fill="#fff"/>{}</svg>\n'
+    ).format(wide, y, parts)
 
 
 def write_picture(path: Path, image: Images, blobs: Blobs, zoom: int = 3) -> None:

@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from detection_pictures import panels, write_picture
+from detection_pictures import enclosing, panels, stacked_svg, write_picture
 from numpy.typing import NDArray
 
 from kinemark.data import Camera, Rig, Validity
@@ -37,7 +37,7 @@ from kinemark.detect import Blobs, Centroids, KissNearest, KissScanning, detect_
 from kinemark.detect.kiss.white import runs_of
 from kinemark.detect.proposal import DetectionProposal, propose
 from kinemark.geometry import project
-from kinemark.report.field_pictures import FieldPicture, enclosing, stacked_svg
+from kinemark.report.field_pictures import FieldPicture
 from kinemark.signal import assign
 from kinemark.synth import (
     Optics,

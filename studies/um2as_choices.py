@@ -24,6 +24,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from um2as_equations import fit_parameters, pair_points, project
+from um2as_experiment import CONTROL_BALLS, DISTANCE_MM, FOCAL_PX, SIZE, LinearisedErrors, laboratory
 
 from kinemark.data import Camera
 from kinemark.data.array_types import Bools, Floats, GreyLevels, Ints
@@ -31,9 +33,6 @@ from kinemark.detect import Centroids, detect_frames
 from kinemark.geometry import project as camera_project
 from kinemark.geometry import to_dlt
 from kinemark.reconstruct.camera_pairs import agreeing
-from kinemark.sensitivity import LinearisedErrors, laboratory
-from kinemark.sensitivity.dlt_samples import fit_parameters, pair_points, project
-from kinemark.sensitivity.um2as_experiment import CONTROL_BALLS, DISTANCE_MM, FOCAL_PX, SIZE
 from kinemark.synth import Optics, look_at, render
 
 FACTORS = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, np.inf)

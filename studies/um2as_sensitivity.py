@@ -15,6 +15,24 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from um2as_equations import fit_parameters
+from um2as_equations import project as project_dlt
+from um2as_experiment import (
+    CALIBRATION_PX,
+    MARKER_PX,
+    PERTURBED_4_2,
+    TABLE_4_2,
+    LinearisedErrors,
+    Moved,
+    calibration_experiment,
+    laboratory,
+    linear_points,
+    marker,
+    marker_error,
+    marker_experiment,
+    pairs_mean,
+)
+from um2as_sampling import Sampling, sample
 
 from kinemark.data import Detections, KinemarkError, Rig, Trajectories
 from kinemark.data.array_types import Floats
@@ -26,34 +44,15 @@ from kinemark.report.terminal_summary import sensitivity_summary
 from kinemark.report.theme import FAINT, HUES, INK
 from kinemark.sensitivity import (
     Kinematics,
-    LinearisedErrors,
-    Moved,
     SampledFrames,
-    Sampling,
     angle_jacobian,
     angle_spread,
-    calibration_experiment,
     cycle_weights,
-    laboratory,
-    linear_points,
-    marker,
-    marker_experiment,
     mean_spread,
     placed_points,
     rank,
-    sample,
 )
-from kinemark.sensitivity.dlt_samples import fit_parameters
-from kinemark.sensitivity.dlt_samples import project as project_dlt
 from kinemark.sensitivity.joints import kinematics_of
-from kinemark.sensitivity.um2as_experiment import (
-    CALIBRATION_PX,
-    MARKER_PX,
-    PERTURBED_4_2,
-    TABLE_4_2,
-    marker_error,
-    pairs_mean,
-)
 from kinemark.synth import arm
 
 DATA = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data"))

@@ -2,7 +2,7 @@
 
     python studies/um2as_tables.py [draws, 2000]
 
-In the laboratory that `sensitivity.um2as_experiment` puts together from what the thesis prints: eight control balls,
+In the laboratory that `um2as_experiment` puts together from what the thesis prints: eight control balls,
 three cameras 2.4 m from where their axes meet. All columns headed "quoted" are from Giles (1994), chapter 4; all
 others are computed here. Centroids of balls and markers are off by 0.5 px in random directions, which is the thesis'
 bound of what lens and quantisation leave; control balls are measured by tape to 1 mm.
@@ -18,19 +18,9 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-
-from kinemark.data.array_types import Floats
-from kinemark.sensitivity import (
-    LinearisedErrors,
-    Sampling,
-    calibration_experiment,
-    first_order_bound,
-    laboratory,
-    parameter_bound,
-)
-from kinemark.sensitivity.dlt_samples import fit_parameters, pair_points, project, rows
-from kinemark.sensitivity.sampling import circle
-from kinemark.sensitivity.um2as_experiment import (
+from um2as_bound import first_order_bound, parameter_bound
+from um2as_equations import fit_parameters, pair_points, project, rows
+from um2as_experiment import (
     CALIBRATION_PX,
     DISTANCE_MM,
     FOCAL_PX,
@@ -39,8 +29,14 @@ from kinemark.sensitivity.um2as_experiment import (
     PERTURBED_4_2,
     SIZE,
     TABLE_4_2,
+    LinearisedErrors,
+    calibration_experiment,
+    laboratory,
     pairs_mean,
 )
+from um2as_sampling import Sampling, circle
+
+from kinemark.data.array_types import Floats
 
 TABLE_4_1 = {(4, 1): (30.5, -1.18), (4, 2): (31.1, -1.07), (4, 3): (30.2, -1.14),
              (1, 2): (30.4, -0.39), (1, 3): (30.5, -0.49), (2, 3): (30.3, -1.11)}  # fmt: skip

@@ -46,7 +46,7 @@ NO_POSITIONS = {
         data.answer_text data.parse_answer digitise.advance digitise.begin digitise.drive digitise.given
         digitise.question_of digitise.result digitise.words""",
     "which detection is which": """
-        data.images_of data.matches_of digitise.identified_matches digitise.identified_tracks geometry.check_cameras
+        digitise.identified_matches digitise.identified_tracks geometry.check_cameras
         signal.assign signal.assign_nearest signal.cheapest_first""",
     "directions, rotations, angles, phases and their files": """
         signal.component_angles fill.cycle_events fill.intervals fill.model_events geometry.nearest_rotations
@@ -59,10 +59,10 @@ NO_POSITIONS = {
         data.make_finding reconstruct.image_errors io.camera_number io.read_measures
         io.load_model io.on_frames io.files_of_set io.subject_of io.with_parameters data.named_angles
         report.evidence_text edit.name_probability edit.in_trial
-        track.diagnose_model label.reliability label.score_labels label.shredded engine.before engine.load_named
+        track.diagnose_model engine.before engine.load_named
         engine.save_named label.figure_template data.sides_by_name label.template_of_subjects io.marker_sets
-        io.read_marker_set io.write_marker_set label.score_switches label.cut_truth io.prefixes_of io.modeled_points
-        sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
+        io.read_marker_set io.write_marker_set io.prefixes_of io.modeled_points
+        sensitivity.placed_points sensitivity.typical
         engine.calibrate_method engine.frame_of engine.source_of engine.is_da
         engine.answered engine.beside_key engine.earlier_calibrations engine.last_calibration engine.with_facts
         engine.calibration_table
@@ -87,11 +87,9 @@ NO_POSITIONS = {
 """By what they take instead, functions without a case."""
 
 BY_THE_ORIGIN = """
-    io.read_cp io.read_cp_set io.write_cp sensitivity.calibration_experiment sensitivity.laboratory
-    sensitivity.first_order_bound sensitivity.linear_points sensitivity.marker sensitivity.marker_experiment
-    sensitivity.parameter_bound"""
-"""UM²AS (eq. 2.4, 4.1 to 4.3) solves for eleven parameters in units of the depth of the world's origin, writes them
-with seven digits, and gives errors in percent of the distance from it: for these the origin is not arbitrary."""
+    io.read_cp io.read_cp_set io.write_cp"""
+"""UM²AS (eq. 2.4) solves for eleven parameters in units of the depth of the world's origin, and writes
+them with seven digits: for these the origin is not arbitrary."""
 
 
 def public_functions():

@@ -13,7 +13,6 @@ from kinemark.gait.foot_detectors import faster, greatest, slower
 from kinemark.gait.foot_events import foot_events
 from kinemark.gait.foot_motion import foot_motion
 from kinemark.gait.plate_events import plate_events
-from kinemark.gait.segments import Z_UP
 from kinemark.synth import WalkingBody, gait_laboratory, walking
 from support.plug_in_gait import CHILDREN, trial
 
@@ -132,7 +131,7 @@ def test_jerks_of_a_foot_have_no_steps_between_frames():
     at = dict(simulated()[1])
     t = np.arange(len(at["LHEE"])) / rate
     at["LHEE"] = at["LHEE"] * [1, 1, 0] + 50 * np.sin(2 * np.pi * hz * t)[:, None] * [0, 0, 1]
-    foot = foot_motion(at, "left", rate, Z_UP)
+    foot = foot_motion(at, "left", rate)
     true = -50 * (2 * np.pi * hz) ** 3 * np.cos(2 * np.pi * hz * foot.time)
     middle = slice(200, -200)
     assert np.abs(foot.heel_jerk_up - true)[middle].max() < 0.02 * np.abs(true).max()

@@ -4,9 +4,10 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from labelling_shredded import shredded
 
 from kinemark.data import MarkerTrajectory
-from kinemark.label import learn_template, shredded
+from kinemark.label import learn_template
 from kinemark.label.anatomy import Anatomy
 from kinemark.label.chains import rechained
 from kinemark.label.claims import lost_to_claims

@@ -5,18 +5,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from labelling_scores import cut_truth, score_labels, score_switches
+from labelling_shredded import shredded
 
 from kinemark.data import MarkerTrajectory
-from kinemark.label import (
-    CutLabels,
-    Labels,
-    cut_truth,
-    label_switching,
-    learn_template,
-    score_labels,
-    score_switches,
-    shredded,
-)
+from kinemark.label import CutLabels, Labels, label_switching, learn_template
 from kinemark.label.beside_gaps import Beside, Parts
 from kinemark.label.cutting import cut
 from kinemark.label.hidden import find_hidden

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from labelling_shredded import shredded
 
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
-from kinemark.label import Distances, label, learn_template, named, shredded
+from kinemark.label import Distances, label, learn_template, named
 from kinemark.label.arrange import arranged
 from kinemark.label.evidence import Hands, PairScore
 from kinemark.label.exchange import Exchanger, best_moves

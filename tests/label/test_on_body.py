@@ -5,9 +5,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from labelling_shredded import shredded
 
 from kinemark.data import MarkerTrajectory
-from kinemark.label import learn_template, shredded
+from kinemark.label import learn_template
 from kinemark.label.arrange import markers_of
 from kinemark.label.claims import left_over
 from kinemark.label.on_body import on_body

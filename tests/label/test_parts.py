@@ -6,10 +6,12 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy
+from labelling_scores import score_labels
+from labelling_shredded import shredded
 
 from kinemark.data import MarkerTrajectory
 from kinemark.io.marker_sets import read_marker_set
-from kinemark.label import Labels, label, learn_template, score_labels, shredded
+from kinemark.label import Labels, label, learn_template
 from kinemark.label.parts import Found, _rivalled, _score, part_of, stiff_parts, with_parts
 from support.tools import tools
 from support.wearing import body_of, moving

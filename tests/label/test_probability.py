@@ -5,9 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from labelling_shredded import Shredded, shredded
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.label import Distances, Shredded, label, learn_template, shredded
+from kinemark.label import Distances, label, learn_template
 from kinemark.label.calibration import UNKNOWN, Cases, calibrated_shift, cases_of, shift_of
 from kinemark.label.decided_sides import _mirrored_world, decided_sides
 from kinemark.label.distances import probability_of_all

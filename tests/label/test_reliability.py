@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from labelling_shredded import Shredded
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.label import Labels, Shredded
+from kinemark.label import Labels
 from kinemark.label.margin import Margins
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"

@@ -6,10 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from labelling_scores import LabelScore, reliability, score_labels
+from labelling_shredded import GHOSTS, Change, shredded
 
 from kinemark.data import MarkerTrajectory
-from kinemark.label import Labels, LabelScore, reliability, score_labels, shredded
-from kinemark.label.shredded import GHOSTS, Change
+from kinemark.label import Labels
 from kinemark.synth import walking, with_markers
 
 

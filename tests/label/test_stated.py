@@ -5,8 +5,9 @@ from functools import cache
 
 import numpy as np
 import pytest
+from labelling_shredded import shredded
 
-from kinemark.label import label, learn_template, shredded
+from kinemark.label import label, learn_template
 from kinemark.label.evidence import PairScore
 from kinemark.label.key_frames import placings, search, settle
 from kinemark.label.stated import fixed_labels

@@ -5,9 +5,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from labelling_shredded import shredded
 
 from kinemark.data import KinemarkError, Trajectories
-from kinemark.label import label_subjects, learn_template, shredded, subjects
+from kinemark.label import label_subjects, learn_template, subjects
 from kinemark.synth import walking, with_markers
 
 

@@ -5,18 +5,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from labelling_scores import cut_truth, score_labels, score_switches
+from labelling_shredded import shredded
 
 from kinemark.data import MarkerTrajectory, Trajectories
-from kinemark.label import (
-    Distances,
-    cut_truth,
-    label,
-    label_switching,
-    learn_template,
-    score_labels,
-    score_switches,
-    shredded,
-)
+from kinemark.label import Distances, label, label_switching, learn_template
 from kinemark.label.breaks import find_breaks
 from kinemark.label.cutting import cut
 from kinemark.label.switches import best_sequence

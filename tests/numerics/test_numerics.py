@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from kinemark.numerics.evenly import evenly
+from kinemark.numerics.evenly import evenly, evenly_rounded
 from kinemark.numerics.finite import finite_mean, finite_median
 from kinemark.numerics.levenberg_marquardt import NIELSEN, Damping, Iterates, damped_step, minimise, minimise_many
 from kinemark.numerics.robust import (
@@ -23,7 +23,7 @@ from kinemark.numerics.row_quantiles import row_medians, row_quantiles
 from kinemark.numerics.runs import begins, equal_runs, true_runs, true_runs_of_rows
 from kinemark.numerics.scaled import scaled_inverse, scaled_solution
 from kinemark.numerics.schur import BlockEquations, block_inverses, block_step, schur_complement
-from kinemark.numerics.small_matrices import inverse2, inverse3, solve3, solve3_entries
+from kinemark.numerics.small_matrices import inverse2, inverse3, solve3
 from kinemark.numerics.vectors import across, cross, cross_matrix, lengths, perpendicular_pair
 
 T = np.linspace(0, 2, 40)
@@ -230,8 +230,6 @@ def test_small_systems_are_those_of_lapack():
     x3 = np.linalg.solve(A3, b3[..., None])[..., 0]
     assert inverse3(A3) == pytest.approx(np.linalg.inv(A3), rel=1e-8)
     assert solve3(A3, b3) == pytest.approx(x3, rel=1e-8)
-    entries = [A3[:, i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))]
-    assert pytest.approx(x3, rel=1e-8) == solve3_entries(entries, list(b3.T)).T
     assert inverse2(A2) == pytest.approx(np.linalg.inv(A2), rel=1e-8)
 
 
@@ -355,8 +353,9 @@ def test_medians_and_quantiles_of_rows_with_gaps_are_those_of_numpy_to_the_last_
 
 
 @pytest.mark.parametrize(("n", "most"), [(-3, 5), (0, 5), (1, 5), (5, 5), (6, 5), (99, 7), (1000, 300), (7, 1)])
-def test_a_few_of_many_are_distinct_and_reach_both_ends(n, most):
-    few = evenly(n, most)
+@pytest.mark.parametrize("spread", [evenly, evenly_rounded])
+def test_a_few_of_many_are_distinct_and_reach_both_ends(n, most, spread):
+    few = spread(n, most)
     assert len(few) == max(min(n, most), 0) and (np.diff(few) > 0).all()
     assert n <= 0 or few[0] == 0
     assert min(n, most) < 2 or (few[-1] == n - 1 and np.ptp(np.diff(few)) <= 1)

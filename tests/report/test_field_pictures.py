@@ -5,11 +5,12 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from detection_pictures import enclosing, stacked_svg
 
 from kinemark.data import Validity
 from kinemark.detect import Blobs
 from kinemark.engine.detection.frames import detected_frames
-from kinemark.report.field_pictures import FieldPicture, enclosing, field_svg, kind_of, stacked_svg
+from kinemark.report.field_pictures import FieldPicture, field_svg, kind_of
 from kinemark.report.figures_detections import KINDS
 from support.command_line import command
 from support.tried import session_in

@@ -7,10 +7,7 @@ import pytest
 
 from kinemark.data import Cloud, Detections, MarkerTrajectory, Tracks, Trajectories
 from kinemark.geometry import project
-from kinemark.reconstruct.camera_pairs import agreeing
 from kinemark.sensitivity import angle_jacobian, gather_named, rank, typical
-from kinemark.sensitivity.dlt_samples import pair_points
-from kinemark.sensitivity.um2as_experiment import laboratory, pairs_mean
 from support.captures import ring
 from support.error_budget import RATE, dance, moved_cameras, recorded, shown_by
 
@@ -95,15 +92,3 @@ def test_a_jump_of_a_whole_turn_is_no_derivative():
 
     slope = angle_jacobian(angle, np.zeros((1, 3, 3)))
     np.testing.assert_allclose(slope[:, 0, 0], np.tile([0.1, 0, 0], (3, 1)), atol=1e-9)
-
-
-def test_a_pair_that_is_far_from_the_others_is_left_out_here_too():
-    """2.4 with cameras of which two stand side by side."""
-    cameras = laboratory()
-    L = np.stack([cameras.L[0], cameras.L[1], cameras.L[0] * (1 + 1e-3 * np.arange(11))])
-    uv = np.random.default_rng(0).normal(250, 5, (50, 3, 2))
-    each = pair_points(L, uv)
-    kept = agreeing(each, np.full(50, 3))
-    assert not kept.all()
-    for s, found in enumerate(pairs_mean(L, uv)):
-        np.testing.assert_allclose(found, each[s, kept[s]].mean(0))

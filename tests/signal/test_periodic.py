@@ -1,9 +1,9 @@
-"""Cycle length, harmonics and phase of periodic motion."""
+"""Cycle length and phase of periodic motion."""
 
 import numpy as np
 import pytest
 
-from kinemark.signal.periodic import cycle_length, find_harmonics, mean_differences
+from kinemark.signal.periodic import cycle_length, mean_differences
 from kinemark.signal.phase import CyclePhase, CycleTemplate, find_phase, phase_variance
 
 
@@ -70,24 +70,6 @@ def test_some_sequences_of_a_template_are_those_of_the_whole():
     some = TEMPLATE.select(np.array([2, 0]))
     np.testing.assert_array_equal(some(phase), TEMPLATE(phase)[:, [2, 0]])
     np.testing.assert_array_equal(some.slope(phase), TEMPLATE.slope(phase)[:, [2, 0]])
-
-
-def test_harmonics_are_those_put_in():
-    rate, period = 100.0, 1.103
-    t = np.arange(800) / rate
-    angle = 2 * np.pi * t / period
-    y = np.stack([7 + 3 * np.cos(angle - 0.5) + 0.6 * np.cos(3 * angle + 1), 2 * np.sin(2 * angle)])
-    y[0, 100:300] = np.nan
-    found = find_harmonics(y, rate=rate, period=1.12, n_harmonics=4)
-    assert found.frequency == pytest.approx(1 / period, rel=1e-4)
-    np.testing.assert_allclose(found.amplitude, [[3, 0, 0.6, 0], [0, 2, 0, 0]], atol=1e-2)
-    np.testing.assert_allclose(found.mean, [7, 0], atol=1e-2)
-    assert found.phase_deg[0, 0] == pytest.approx(np.degrees(0.5), abs=0.5)
-    assert found.phase_deg[0, 2] == pytest.approx(np.degrees(-1), abs=2)
-    assert found.distortion[0] == pytest.approx(0.04, rel=0.05)
-    np.testing.assert_allclose(found.power.sum(1), 1, rtol=0.05)
-    with pytest.raises(ValueError, match="more than two frames"):
-        find_harmonics(y, rate=1.0, period=1.0)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -1,5 +1,6 @@
 """The accuracy tests of the papers measure what they should, and the figures of the documentation still hold."""
 
+import accuracy
 import numpy as np
 import pytest
 
@@ -10,22 +11,12 @@ WAYS = ("DLT", "linearised", "lens terms", "wand")
 
 
 @pytest.fixture(scope="module")
-def accuracy():
-    """The study as a module."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(STUDIES))
-        import accuracy
-
-        yield accuracy
-
-
-@pytest.fixture(scope="module")
-def table(accuracy):
+def table():
     """Figures of one round by what they are."""
     return {row.what: row.figures for row in accuracy.simulated(1)}
 
 
-def test_free_flight_finds_gravity_and_its_error(accuracy):
+def test_free_flight_finds_gravity_and_its_error():
     rng = np.random.default_rng(0)
     t = np.arange(36)[:, None] / 50
     path = 1000 * (np.array([0.1, 0.7, 0.9]) + t * [2.9, 0.1, 3.3] - 4.90333 * t**2 * [0, 0, 1])
@@ -40,7 +31,7 @@ def test_free_flight_finds_gravity_and_its_error(accuracy):
     assert np.sqrt((errors**2).mean()) == pytest.approx(1.0, abs=0.1)
 
 
-def test_resolution_is_that_of_the_paper(accuracy):
+def test_resolution_is_that_of_the_paper():
     error = np.random.default_rng(1).normal(0, 1.5, 200)
     error = 1.5 * (error - error.mean()) / error.std(ddof=1)
     assert accuracy.resolution(error) == pytest.approx(0.28, abs=0.01)  # KISS 5.1: 0.3 mm
@@ -105,7 +96,7 @@ REAL = {
 }
 
 
-def test_real_wands_and_a_real_throw(accuracy, capsys):
+def test_real_wands_and_a_real_throw(capsys):
     shared_data("cameras/dltdv_thermal_3cam")
     accuracy.files(lenses_too=False)
     parts = capsys.readouterr().out.split("\n\n")

@@ -1,26 +1,15 @@
 """The child's foot: markers are as far apart as the study says, and at 100 Hz each keeps its identity."""
 
+import child_foot as study
 import numpy as np
-import pytest
 
 from kinemark.detect import Centroids
 from kinemark.synth import Optics, film, observe, truth
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import track_detections
-from support.studies import STUDIES
 
 
-@pytest.fixture(scope="module")
-def study():
-    """The study as a module."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(STUDIES))
-        import child_foot
-
-        yield child_foot
-
-
-def test_the_grid_has_the_pitch_of_the_question(study):
+def test_the_grid_has_the_pitch_of_the_question():
     subject = study.child(0.2, 50.0)
     grid = [k for k, name in enumerate(subject.names) if name.startswith("LF") or name == "LTOE"]
     apart = np.linalg.norm(subject.xyz[grid][:, None] - subject.xyz[grid], axis=-1)
@@ -28,14 +17,14 @@ def test_the_grid_has_the_pitch_of_the_question(study):
     np.testing.assert_allclose(nearest, study.PITCH_MM, rtol=1e-9)
 
 
-def test_at_100_hz_every_marker_of_the_foot_keeps_its_identity(study):
+def test_at_100_hz_every_marker_of_the_foot_keeps_its_identity():
     subject, rig = study.child(0.4, 100.0), study.cameras(2.5)
     seen = observe(rig, subject, noise_px=0.1, merge_px=2.5)
     result = score(track_detections(seen.detections, rig), subject.xyz, within=study.WITHIN)
     assert result.swaps == 0 and result.recall > 0.97
 
 
-def test_markers_that_share_an_image_which_no_file_marks_are_given(study):
+def test_markers_that_share_an_image_which_no_file_marks_are_given():
     subject, rig = study.child(0.6, 100.0), study.cameras(4.2)
     images = [np.stack(list(film(c, subject, optics=Optics(subsamples=2), seed=1 + i))) for i, c in enumerate(rig)]
     seen = study.found(images, rig, 100.0, Centroids(threshold=60.0, min_area=2))

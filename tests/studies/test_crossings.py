@@ -1,24 +1,14 @@
 """Crossings in space: the markers pass as the study says, passages are judged as they are, and identities hold."""
 
+import crossings as study
 import numpy as np
 import pytest
 
 from kinemark.data import Cloud, Tracks
-from support.studies import STUDIES
-
-
-@pytest.fixture(scope="module")
-def study():
-    """The study as a module."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(STUDIES))
-        import crossings
-
-        yield crossings
 
 
 @pytest.mark.parametrize("way", ["crossing", "turning", "together"])
-def test_markers_pass_at_the_distance_of_the_row(study, way):
+def test_markers_pass_at_the_distance_of_the_row(way):
     subject, at = study.crossing(20.0, 1000.0, 7, study.WAYS[way])
     apart = np.linalg.norm(subject.xyz[::2] - subject.xyz[1::2], axis=-1)
     there = [apart[k, round(when * 1000)] for k, when in enumerate(at)]
@@ -35,7 +25,7 @@ def tracks_of(subject, ids):
     return Tracks(cloud, ids.T.ravel())
 
 
-def test_right_swapped_and_cut_passages_are_told_apart(study):
+def test_right_swapped_and_cut_passages_are_told_apart():
     subject, at = study.crossing(20.0, 100.0, 3, study.WAYS["crossing"])
     ids = np.repeat(np.arange(12)[:, None], subject.n_frames, 1)
     assert study.judged(tracks_of(subject, ids), subject, at, []) == (12, 0, 0, 0)
@@ -45,6 +35,6 @@ def test_right_swapped_and_cut_passages_are_told_apart(study):
     assert study.judged(tracks_of(subject, ids), subject, at, []) == (9, 2, 0, 1)
 
 
-def test_no_marker_is_swapped_unless_it_is_listed(study):
+def test_no_marker_is_swapped_unless_it_is_listed():
     found = study.passages(study.WAYS["crossing"], 10.0, 100.0, 5, [11], "simultaneous")
     assert found.swapped == 0 and found.right >= 11

@@ -1,22 +1,12 @@
 """What the gait model is off by when an assumption fails is what geometry says, and nothing without a failure."""
 
+import gait_assumptions as study
 import numpy as np
 import pytest
 
-from support.studies import STUDIES
-
 
 @pytest.fixture(scope="module")
-def study():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(STUDIES))
-        import gait_assumptions
-
-        yield gait_assumptions
-
-
-@pytest.fixture(scope="module")
-def found(study):
+def found():
     """Errors (3) by quantity of one subject: nothing wrong, and each of three assumptions failing."""
     believed = study.subjects(1, 1)
     of = {one.name: one for one in study.ASSUMPTIONS}

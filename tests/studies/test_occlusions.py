@@ -1,18 +1,8 @@
 """The study of occlusions hides what it says, and tells right identities from wrong ones."""
 
 import numpy as np
+import occlusions as study
 import pytest
-
-from support.studies import STUDIES
-
-
-@pytest.fixture(scope="module")
-def study():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(STUDIES))
-        import occlusions
-
-        yield occlusions
 
 
 def walker(study, rate=50.0):
@@ -22,7 +12,7 @@ def walker(study, rate=50.0):
     )
 
 
-def test_hidden_markers_are_seen_by_no_camera_and_by_all_others_before_and_after(study):
+def test_hidden_markers_are_seen_by_no_camera_and_by_all_others_before_and_after():
     walk = walker(study)
     gone = study.occlusions(walk.subject, 3)
     assert {one.seconds for one in gone} <= set(study.LENGTHS) and len({one.first for one in gone}) > 3
@@ -37,7 +27,7 @@ def test_hidden_markers_are_seen_by_no_camera_and_by_all_others_before_and_after
         assert all(o.first >= one.stop + 25 or o.stop <= one.first - 25 for o in others)
 
 
-def test_identities_are_judged_by_what_is_before_and_after(study):
+def test_identities_are_judged_by_what_is_before_and_after():
     assert study.going_on({1: 5, 2: 6}, 1, 5) == "right"
     assert study.going_on({1: 5, 2: 6}, 1, 6) == "wrong"
     assert study.going_on({2: 5}, 1, 5) == "wrong"
@@ -45,7 +35,7 @@ def test_identities_are_judged_by_what_is_before_and_after(study):
     assert study.commonest(np.array([3, 4, 4])) == 4 and study.commonest(np.array([])) is None
 
 
-def test_a_walk_is_named_rightly_after_its_occlusions(study):
+def test_a_walk_is_named_rightly_after_its_occlusions():
     seen = study.judged(walker(study), 4)
     assert len(seen) > 8
     assert [one.names for one in seen].count("wrong") == 0

@@ -2,20 +2,10 @@
 
 import numpy as np
 import pytest
-
-from support.studies import STUDIES
-
-
-@pytest.fixture(scope="module")
-def study():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(STUDIES))
-        import swamidas_figures
-
-        yield swamidas_figures
+import swamidas_figures as study
 
 
-def test_the_moving_average_takes_noise_away_and_leaves_the_curvature(study):
+def test_the_moving_average_takes_noise_away_and_leaves_the_curvature():
     for seed in (3, 4):
         rows = study.averages(seed)
         _, noise, off, curvature = (np.array(column) for column in zip(*rows, strict=True))
@@ -24,7 +14,7 @@ def test_the_moving_average_takes_noise_away_and_leaves_the_curvature(study):
         assert (np.abs(curvature[1:] / curvature[2] - 1) < 0.1).all()
 
 
-def test_noise_and_curvature_are_what_they_are_of_known_tracks(study):
+def test_noise_and_curvature_are_what_they_are_of_known_tracks():
     path = np.random.default_rng(1).normal(0, 2.0, (4000, 3))
     assert study.noise(path) == pytest.approx(2.0, rel=0.05)
     assert study.noise(np.outer(np.arange(50.0) ** 2, [1.0, 2.0, 3.0])) == pytest.approx(0.0, abs=1e-9)
@@ -33,7 +23,7 @@ def test_noise_and_curvature_are_what_they_are_of_known_tracks(study):
     assert study.curvature(bow) == pytest.approx(20.0, abs=0.5)
 
 
-def test_every_figure_is_drawn_and_within_its_frame(study):
+def test_every_figure_is_drawn_and_within_its_frame():
     page = study.page()
     for figure in ("4.4", "4.5", "4.8", "4.9", "4.10", "4.11", "4.12", "4.13"):
         assert f"Like figure {figure}" in page
@@ -45,7 +35,7 @@ def test_every_figure_is_drawn_and_within_its_frame(study):
     assert gaps == 6  # three tracks with one gap each
 
 
-def test_more_noise_gives_worse_tracks(study):
+def test_more_noise_gives_worse_tracks():
     truth = study.recorded(1, 0.0).xyz
     off = [np.linalg.norm(study.noisy_tracks(1, percent) - truth, axis=-1).mean() for percent in (5, 10, 20)]
     assert off[0] < off[1] / 1.5 < off[2] / 3

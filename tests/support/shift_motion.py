@@ -25,7 +25,6 @@ from kinemark.fill.methods import angles
 from kinemark.kinematics import Butterworth, WoltringSpline
 from kinemark.signal.filters import butterworth, residual_analysis
 from kinemark.signal.kalman import initial_state, predict, update_position
-from kinemark.signal.periodic import find_harmonics
 from kinemark.signal.smoother import smooth_positions
 from kinemark.signal.woltring import woltring
 from support.shift_law import Answer, law, moved, on_grid
@@ -193,16 +192,13 @@ def _(by):
 # ---- Signals ----
 
 
-@law(
-    woltring, butterworth, residual_analysis, smooth_positions, find_harmonics, initial_state, predict, update_position
-)
+@law(woltring, butterworth, residual_analysis, smooth_positions, initial_state, predict, update_position)
 def _(by):
     y, ones = walk().xyz[3] + by, np.ones(3)
     y[40:45] = np.nan
     spline, free, part = woltring(y, cutoff=0.1), woltring(y), y[:40]
     filtered = butterworth(part, rate=50.0, cutoff_hz=6.0)
     smoothed = smooth_positions(y.T, sd=0.5 * ones, process_sd=0.1 * ones)
-    waves = find_harmonics(y.T, rate=50.0, period=1.1)
     state = predict(initial_state(part[None, 2::-1], 0.5, 0.1), 0.1)
     at, state = update_position(state, part[None, 4], ones[:1], 0.1)
     rest = (
@@ -210,10 +206,9 @@ def _(by):
         residual_analysis(part, rate=50.0),
         smoothed.x[..., 1:],
         smoothed.P,
-        waves.amplitude,
         state.x[:, 1:],
     )
-    places = spline.values, free.values, filtered, smoothed.x[..., 0].T, waves.mean, at, state.x[:, 0]
+    places = spline.values, free.values, filtered, smoothed.x[..., 0].T, at, state.x[:, 0]
     return Answer(places, rest)
 
 

@@ -19,7 +19,6 @@ from .matches import Matches
 from .poses import Poses
 from .rig import PARAMETERS, Camera, Rig
 from .rods import Rods
-from .sample_images import SampleImages, images_of, matches_of
 from .signals import Signal, Signals
 from .trajectories import MarkerTrajectory, Origin, Trajectories
 from .trial import Identity, Step, Trial
@@ -49,7 +48,6 @@ __all__ = [
     "Poses",
     "Rig",
     "Rods",
-    "SampleImages",
     "Severity",
     "Signal",
     "Signals",
@@ -58,8 +56,6 @@ __all__ = [
     "Trajectories",
     "Trial",
     "Validity",
-    "images_of",
     "make_finding",
-    "matches_of",
     "same",
 ]

@@ -34,6 +34,7 @@ from ..data import Camera, Detections, MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Floats, Ints
 from ..data.edits import OPEN, AddEvent, Edit, Erase, GapChoice, ImagePoint, Put, Smooth, Stretch, Trim, is_named
 from ..geometry import project
+from ..numerics.evenly import evenly_rounded
 from ..numerics.runs import true_runs
 from .values import Changed, Footage, Result
 from .votes import FAR_MM, compared, known_votes, votes, witnesses_of
@@ -123,7 +124,7 @@ def _spoken_of(edit: OfMarker, frames: Ints) -> tuple[Ints, Ints]:
 
 def _spread(frames: Ints) -> Ints:
     """FEW of some frames, evenly."""
-    return frames[np.unique(np.linspace(0, len(frames) - 1, min(len(frames), FEW)).round().astype(np.int64))]
+    return frames[evenly_rounded(len(frames), FEW)]
 
 
 def followed(edit: Edit, given: Trajectories, named: Trajectories, of: Footage) -> Edit:

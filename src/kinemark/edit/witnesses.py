@@ -7,6 +7,7 @@ import numpy as np
 from ..data import Detections, MarkerTrajectory, Trajectories
 from ..data.array_types import Ints
 from ..data.edits import FEWEST_WITNESSES, MOST_WITNESSES, WITNESS_EVERY, Stretch, Witness
+from ..numerics.evenly import evenly_rounded
 from .crossings import unbroken
 
 DECIMALS = 3
@@ -65,7 +66,7 @@ def stretch_of(
 def _spread(frames: Ints, at: int | None) -> Ints:
     """At most so many of these frames, evenly by number of samples, with the first, the last and the one near `at`."""
     most = min(max(len(frames) // WITNESS_EVERY, FEWEST_WITNESSES), MOST_WITNESSES) - (at is not None)
-    chosen = frames[np.unique(np.linspace(0, len(frames) - 1, min(most, len(frames))).round().astype(np.int64))]
+    chosen = frames[evenly_rounded(len(frames), most)]
     near = frames[:0] if at is None else frames[[np.abs(frames - at).argmin()]]
     return np.union1d(chosen, near)
 

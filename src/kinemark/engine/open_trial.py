@@ -159,17 +159,14 @@ class OpenTrial:
             relink(self.folder / REPORT, s.results / ASSETS, self_contained=s.assets is None)
             return replace(self, steps=tuple(store.steps), computed=tuple(store.computed))
 
-    def before_edits(
-        self, *, progress: Progress = silent, cancel: Cancel | None = None
-    ) -> tuple[OpenTrial, TrialInputs, dict[str, Any]]:
+    def before_edits(self) -> tuple[OpenTrial, TrialInputs, dict[str, Any]]:
         """The trial processed as far as edits need it, with what the stages are given and the records so far.
 
         Raises:
             KinemarkError: the input cannot be used.
-            Cancelled: `cancel` was set.
         """
         last = stage_before_edits(self.stages)
-        done = self.run(last, progress=progress, cancel=cancel)
+        done = self.run(last)
         return done, done._inputs(), done._records(last)
 
     def state(self) -> dict[str, bool]:

@@ -23,6 +23,8 @@ Chosen (see benchmarks/gaps.py)."""
 RESOLVED = 2.0**42
 """mm, 4.4 million km: farther from the origin, doubles are more than a thousandth of a millimetre apart.
 Chosen (see benchmarks/gaps.py)."""
+MOST_SECTIONS = 12
+"""Of a gap, at most; chosen for time."""
 ENOUGH = 600
 """Frames that are enough to learn from; longer trials are thinned evenly; chosen (see benchmarks/gaps.py)."""
 
@@ -213,18 +215,18 @@ class KnownSamples(NamedTuple):
         return ", ".join(self.names[k] for k in markers)
 
 
-def sections(known: KnownSamples, span: Span, *, least: int, most: int = 12) -> list[tuple[int, int]]:
+def sections(known: KnownSamples, span: Span, *, least: int) -> list[tuple[int, int]]:
     """Frames (start, stop) into which a gap is cut where too few of its neighbours are seen throughout it.
 
     It stays whole where at least `least` markers, and seven in ten of those seen on average, are seen throughout. Else
-    it is cut wherever a marker comes or goes, or evenly where that makes more than `most` sections.
+    it is cut wherever a marker comes or goes, or evenly where that makes more than `MOST_SECTIONS`.
     """
     seen = known.seen[:, span.start : span.stop]
     whole = seen.all(1).sum()
     if span.length < 2 or (whole >= least and whole >= 0.7 * seen.sum(0).mean()):
         return [(span.start, span.stop)]
     cuts = equal_runs(*seen)[1:-1]
-    if len(cuts) >= most:
-        cuts = np.unique(np.linspace(0, span.length, most + 1).astype(int))[1:-1]
+    if len(cuts) >= MOST_SECTIONS:
+        cuts = np.unique(np.linspace(0, span.length, MOST_SECTIONS + 1).astype(int))[1:-1]
     ends = [span.start, *(span.start + int(c) for c in cuts), span.stop]
     return list(pairwise(ends))

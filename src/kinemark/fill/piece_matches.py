@@ -13,7 +13,6 @@ Nothing is joined: a claim does that.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -54,15 +53,12 @@ class PieceMatch(NamedTuple):
     likely: bool = False
 
 
-def piece_matches(
-    trajectories: Trajectories, track: str, *, methods: Sequence[FillMethod] = METHODS
-) -> tuple[PieceMatch, ...]:
+def piece_matches(trajectories: Trajectories, track: str) -> tuple[PieceMatch, ...]:
     """The markers that a piece may be, the nearest first; those that nothing can fill there are left out.
 
     Args:
         trajectories: of a trial, the piece among them.
         track: the name of the piece.
-        methods: of filling, asked in turn.
 
     Raises:
         KeyError: there is no such track.
@@ -78,16 +74,16 @@ def piece_matches(
     gaps = [Gap(k, int(frames[0]), int(frames[-1]) + 1) for k in missing]
     found = [
         _match(motion, gap, said, piece, frames)
-        for gap, said in zip(gaps, _filled(motion, gaps, methods), strict=True)
+        for gap, said in zip(gaps, _filled(motion, gaps), strict=True)
         if np.isfinite(said.xyz[frames - frames[0]]).all()
     ]
     return _judged(sorted(found, key=lambda match: match.off_mm))
 
 
-def _filled(motion: MarkerArray, gaps: list[Gap], methods: Sequence[FillMethod]) -> list[Prediction]:
+def _filled(motion: MarkerArray, gaps: list[Gap]) -> list[Prediction]:
     """Of each gap the first answer."""
     said = [Prediction.none(gap.length, "") for gap in gaps]
-    for method in methods:
+    for method in METHODS:
         left = [k for k, one in enumerate(said) if not np.isfinite(one.xyz).all()]
         answers = filler_of(method)(motion, [gaps[k] for k in left], method=method) if left else []
         for k, answer in zip(left, answers, strict=True):

@@ -183,15 +183,12 @@ class PreparedFill:
         return known
 
 
-def prepare(
-    trajectories: Trajectories, *, method: Auto | None = None, ends: bool = False, seed: int = 0
-) -> PreparedFill:
+def prepare(trajectories: Trajectories, *, method: Auto | None = None) -> PreparedFill:
     """A trial whose gaps are asked for one by one.
 
     Args:
         trajectories: the trial; what is filled already counts as seen.
-        method: what chooses; `Auto()` where None. ends: also gaps before a marker's first sample and after its last.
-        seed: of the places of the hold-out gaps.
+        method: what chooses; `Auto()` where None.
     """
     motion = without_outliers(MarkerArray.of(by_name(trajectories)))
-    return PreparedFill(trajectories, motion, tuple(find_gaps(motion, ends=ends)), method or Auto(), seed)
+    return PreparedFill(trajectories, motion, tuple(find_gaps(motion)), method or Auto())

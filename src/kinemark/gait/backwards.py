@@ -26,7 +26,7 @@ import numpy as np
 from ..data.array_types import Floats, Ints
 from ..data.subject_measures import LETTER
 from .lower_limb import pelvis_of
-from .segments import Z_UP, Segment, unit
+from .segments import Z_UP, Segment, along_floor, unit
 from .straight_passes import WALKED_MM
 
 AGAINST = -0.2
@@ -42,27 +42,27 @@ class WalkedPart(NamedTuple):
     backwards: bool
 
 
-def walks_backwards(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> bool:
+def walks_backwards(points: Mapping[str, Floats]) -> bool:
     """Whether the subject does in any part; `points` as in `walked_parts`."""
-    return any(part.backwards for part in walked_parts(points, up=up))
+    return any(part.backwards for part in walked_parts(points))
 
 
-def walked_parts(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> list[WalkedPart]:
+def walked_parts(points: Mapping[str, Floats]) -> list[WalkedPart]:
     """The parts of a trial by (3), mostly one; which way by (1), or by (2) where the pelvis stays.
 
     Args:
-        points: (F, 3) mm by the model's names; without pelvis or feet nothing is known. up: of the laboratory.
+        points: (F, 3) mm by the model's names; without pelvis or feet nothing is known.
     """
     feet = [s + name for s in LETTER.values() for name in ("HEE", "TOE")]
     whole = WalkedPart(0, max(map(len, points.values()), default=0), backwards=False)
     if not {"LASI", "RASI", *feet} <= set(points) or not ({"SACR"} <= set(points) or {"LPSI", "RPSI"} <= set(points)):
         return [whole]
     pelvis = pelvis_of(points)[0]
-    parts = parts_by_way(pelvis, up)
-    if len(parts) > 1 and all((_agreement(points, pelvis, up, part) < 0) == part.backwards for part in parts):
+    parts = parts_by_way(pelvis)
+    if len(parts) > 1 and all((_agreement(points, pelvis, part) < 0) == part.backwards for part in parts):
         return parts
-    w = way_as_faced(pelvis, up)
-    backwards = w < 0 if abs(w) >= WALKED_MM else _agreement(points, pelvis, up, whole) < AGAINST
+    w = way_as_faced(pelvis)
+    backwards = w < 0 if abs(w) >= WALKED_MM else _agreement(points, pelvis, whole) < AGAINST
     return [whole._replace(backwards=backwards)]
 
 
@@ -71,9 +71,9 @@ def reversals(points: Mapping[str, Floats]) -> Ints:
     return np.array([part.first for part in walked_parts(points)[1:]], np.int64)
 
 
-def parts_by_way(pelvis: Segment, up: Floats = Z_UP) -> list[WalkedPart]:
+def parts_by_way(pelvis: Segment) -> list[WalkedPart]:
     """Parts of (F) frames between which the sum (1) turns by `WALKED_MM` or more; one where it never does."""
-    at = np.concatenate([[0.0], np.nancumsum(_steps_as_faced(pelvis, up))])
+    at = np.concatenate([[0.0], np.nancumsum(_steps_as_faced(pelvis))])
     edges, way, farthest = [0], 0.0, 0
     for k, w in enumerate(at):
         if way == 0 and abs(w) >= WALKED_MM:
@@ -87,37 +87,37 @@ def parts_by_way(pelvis: Segment, up: Floats = Z_UP) -> list[WalkedPart]:
     return [WalkedPart(first, stop, bool(at[stop - 1] - at[first] <= -WALKED_MM)) for first, stop in bounds]
 
 
-def way_as_faced(pelvis: Segment, up: Floats = Z_UP) -> float:
+def way_as_faced(pelvis: Segment) -> float:
     """(1), mm, over the frames in which the pelvis (F) is known."""
-    return float(np.nansum(_steps_as_faced(pelvis, up)))
+    return float(np.nansum(_steps_as_faced(pelvis)))
 
 
-def _steps_as_faced(pelvis: Segment, up: Floats) -> Floats:
+def _steps_as_faced(pelvis: Segment) -> Floats:
     """(F−1) mm, the terms of (1); NaN where the pelvis is not known."""
-    d = _faced(pelvis, up)
+    d = _faced(pelvis)
     return np.asarray((np.diff(pelvis.origin, axis=0) * (d[1:] + d[:-1]) / 2).sum(-1))
 
 
-def _agreement(points: Mapping[str, Floats], pelvis: Segment, up: Floats, part: WalkedPart) -> float:
+def _agreement(points: Mapping[str, Floats], pelvis: Segment, part: WalkedPart) -> float:
     """(2) in a part, mean of both feet."""
     k = slice(part.first, part.stop)
     own = replace(pelvis, origin=pelvis.origin[k], R=pelvis.R[k])
     feet = ((points[s + "HEE"] + points[s + "TOE"])[k] for s in LETTER.values())
-    return float(np.mean([_correlation(foot, own, up) for foot in feet]))
+    return float(np.mean([_correlation(foot, own) for foot in feet]))
 
 
-def _faced(pelvis: Segment, up: Floats) -> Floats:
+def _faced(pelvis: Segment) -> Floats:
     """(F, 3) d."""
     x = pelvis.R[..., 0]
-    return unit(x - (x @ up)[:, None] * up)
+    return unit(along_floor(x))
 
 
-def _correlation(twice_middle: Floats, pelvis: Segment, up: Floats) -> float:
+def _correlation(twice_middle: Floats, pelvis: Segment) -> float:
     """(2) of a foot, of twice its middle (F, 3); 0 where it is hardly known, or does not move."""
-    ahead = ((twice_middle / 2 - pelvis.origin) * _faced(pelvis, up)).sum(-1)
+    ahead = ((twice_middle / 2 - pelvis.origin) * _faced(pelvis)).sum(-1)
     if len(ahead) < 2:
         return 0.0
-    both = np.stack([twice_middle @ up, np.gradient(ahead)])
+    both = np.stack([twice_middle @ Z_UP, np.gradient(ahead)])
     both = both[:, np.isfinite(both).all(0)]
     if both.shape[1] < 2 or not both.std(axis=1).all():
         return 0.0

@@ -21,7 +21,7 @@ from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, Side
 from ..kinematics import principal
 from .lower_limb import FOOT_SEQUENCE, LowerLimbs
 from .progression import progression
-from .segments import Z_UP, relative, within_half_turn
+from .segments import relative, within_half_turn
 
 
 class Reading(NamedTuple):
@@ -44,14 +44,14 @@ READINGS = (
 """(1) to (4), of the left leg; on the right the second and third change their sign (3). As Plug-in Gait has them."""
 
 
-def clinical_angles(limbs: LowerLimbs, *, up: Floats = Z_UP, lab: Floats | None = None) -> dict[str, Floats]:
+def clinical_angles(limbs: LowerLimbs, *, lab: Floats | None = None) -> dict[str, Floats]:
     """(…, F, 3) deg by name: LPelvisAngles, LHipAngles, … RFootProgressAngles.
 
     Args:
-        limbs: over frames. up: of the laboratory.
+        limbs: over frames.
         lab: (3, 3) or (F, 3, 3) forward, left and up, from which pelvis and foot are seen; Plug-in Gait's where None.
     """
-    lab = progression(limbs, up) if lab is None else lab
+    lab = progression(limbs) if lab is None else lab
     return {
         f"{LETTER[side]}{reading.name}Angles": read(reading, rotation, side)
         for side in SIDES

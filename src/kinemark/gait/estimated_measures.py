@@ -66,7 +66,6 @@ def joints_by_share(points: Mapping[str, Floats], *, marker_diameter_mm: float =
 
 def mass_on_plates(
     reactions: Sequence[Reaction], contacts: Sequence[Contact], events: Sequence[FootEvent], *, rate: float,
-    up: Floats = Z_UP,
 ) -> float | None:  # fmt: skip
     """kg by (3) over contacts of a whole foot; None where there are none, or no strides.
 
@@ -74,14 +73,13 @@ def mass_on_plates(
 
     Args:
         reactions: of the plates over F frames. contacts: on them. events: of the feet. rate: frames a second.
-        up: of the laboratory.
     """
     strides = [b.time - a.time for side in SIDES
                for a, b in pairwise(e for e in events if e.side == side and e.strike)]  # fmt: skip
     impulses: dict[str, list[float]] = {}
     for one in contacts:
         if one.side is not None and not one.reason:
-            newton = _bridged(reactions[one.plate].force[one.first : one.stop] @ up)
+            newton = _bridged(reactions[one.plate].force[one.first : one.stop] @ Z_UP)
             impulses.setdefault(one.side, []).append(abs(float(newton.sum())) / rate)
     if not strides or not impulses:
         return None

@@ -33,7 +33,6 @@ from ..data.array_types import Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES
 from .foot_motion import FINE_HZ, Foot, foot_motion
-from .segments import Z_UP
 
 LEAST_SWING_MM = 60.0
 """By which a foot moves to and fro under the pelvis in a step, mm; chosen: in steps of 50 mm it is 75."""
@@ -99,13 +98,13 @@ class Votes(NamedTuple):
     slow: float
 
 
-def voted(points: Mapping[str, Floats], rate: float, *, up: Floats = Z_UP) -> list[Votes]:
+def voted(points: Mapping[str, Floats], rate: float) -> list[Votes]:
     """The detectors' times for both feet, as (2) and (3) have them.
 
     Args:
-        points: (F, 3) mm by the model's names. rate: frames a second. up: of the laboratory.
+        points: (F, 3) mm by the model's names. rate: frames a second.
     """
-    feet = {side: foot for side in SIDES if (foot := foot_motion(points, side, rate, up)) is not None}
+    feet = {side: foot for side in SIDES if (foot := foot_motion(points, side, rate)) is not None}
     rough = {
         (side, strike): foot.time[_swings(foot.heel_ahead if strike else -foot.toe_ahead, foot.middle)]
         for side, foot in feet.items()

@@ -30,7 +30,6 @@ from .backwards import walked_parts
 from .event_order import ordered
 from .foot_detectors import OFF, STRIKE, voted
 from .plate_events import plate_events
-from .segments import Z_UP
 from .way_of_walking import way_of_walking
 
 BETWEEN_MS = {True: 3.7, False: 3.7}
@@ -47,20 +46,19 @@ ALIKE_S = 0.1
 """Within which an event from markers and one from a plate are one, s; chosen: a fifth of a step."""
 
 
-def foot_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP) -> tuple[FootEvent, ...]:
+def foot_events(trial: Trial, points: Mapping[str, Floats]) -> tuple[FootEvent, ...]:
     """All foot strikes and offs of a trial, in the order of time.
 
     Args:
         trial: with its plates and channels. points: (F, 3) mm of its markers by name.
-        up: of the laboratory.
     """
-    measured, rate = plate_events(trial, points, up=up), trial.trajectories.rate
-    kept = _together(marker_events(points, rate, up=up), measured)
-    way = way_of_walking(kept, points, rate=rate, up=up)
+    measured, rate = plate_events(trial, points), trial.trajectories.rate
+    kept = _together(marker_events(points, rate), measured)
+    way = way_of_walking(kept, points, rate=rate)
     if way == "level":
         return kept
     if way == "running":
-        kept = _together(marker_events(points, rate, up=up, runs=True), measured)
+        kept = _together(marker_events(points, rate, runs=True), measured)
     return tuple(e if e.source == "plate" else e._replace(sd=max(e.sd, UNLIKE_MS / 1000)) for e in kept)
 
 
@@ -73,31 +71,29 @@ def _together(seen: Sequence[FootEvent], measured: Sequence[FootEvent]) -> tuple
     return ordered(found)
 
 
-def marker_events(
-    points: Mapping[str, Floats], rate: float, *, up: Floats = Z_UP, runs: bool = False
-) -> list[FootEvent]:
+def marker_events(points: Mapping[str, Floats], rate: float, *, runs: bool = False) -> list[FootEvent]:
     """Events by (2), of all plates unaware; their `sd` is half of how far the detectors are apart.
 
     Where the subject walks backwards they are found with time turned.
 
     Args:
-        points: (F, 3) mm by the model's names. rate: frames a second. up: of the laboratory. runs: offs by (5).
+        points: (F, 3) mm by the model's names. rate: frames a second. runs: offs by (5).
     """
     found: list[FootEvent] = []
-    for first, stop, backwards in walked_parts(points, up=up):
+    for first, stop, backwards in walked_parts(points):
         part = {name: xyz[first:stop] for name, xyz in points.items()}
         if backwards:
-            turned = _forward_events({name: xyz[::-1] for name, xyz in part.items()}, rate, up, runs)
+            turned = _forward_events({name: xyz[::-1] for name, xyz in part.items()}, rate, runs)
             found += [e._replace(time=(stop - 1) / rate - e.time, strike=not e.strike) for e in turned]
         else:
-            found += [e._replace(time=first / rate + e.time) for e in _forward_events(part, rate, up, runs)]
+            found += [e._replace(time=first / rate + e.time) for e in _forward_events(part, rate, runs)]
     return found
 
 
-def _forward_events(points: Mapping[str, Floats], rate: float, up: Floats, runs: bool) -> list[FootEvent]:
+def _forward_events(points: Mapping[str, Floats], rate: float, runs: bool) -> list[FootEvent]:
     """Events by (2) of who walks forwards, or by (5), points (F, 3) mm by the model's names."""
     found = []
-    for one in voted(points, rate, up=up):
+    for one in voted(points, rate):
         biases = np.array([d.bias_ms + d.slow_ms * one.slow for d in (STRIKE if one.event.strike else OFF)])
         votes = one.times - biases / 1000
         if runs and not one.event.strike and np.isfinite(one.times[TIP]):

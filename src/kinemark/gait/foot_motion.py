@@ -22,7 +22,7 @@ from ..data.array_types import Bools, Floats, Ints
 from ..data.subject_measures import LETTER, Side
 from ..signal.filters import butterworth, edge_samples
 from .lower_limb import pelvis_of
-from .segments import unit
+from .segments import Z_UP, along_floor, unit
 
 FINE_HZ = 500.0
 """Rate at which a foot is looked at, Hz; chosen: jerks of 15 Hz hardly change in 2 ms."""
@@ -69,11 +69,11 @@ class Foot(NamedTuple):
     tip_gain: Floats
 
 
-def foot_motion(points: Mapping[str, Floats], side: Side, rate: float, up: Floats) -> Foot | None:
+def foot_motion(points: Mapping[str, Floats], side: Side, rate: float) -> Foot | None:
     """What the detectors look at; None where the foot is hardly seen.
 
     Args:
-        points: (F, 3) mm by the model's names. side: of the foot. rate: frames a second. up: (3) of the laboratory.
+        points: (F, 3) mm by the model's names. side: of the foot. rate: frames a second.
     """
     pelvis = pelvis_of(points)[0]
     raw = [points[LETTER[side] + "HEE"], points[LETTER[side] + "TOE"], pelvis.origin, pelvis.R[..., 0]]
@@ -86,39 +86,38 @@ def foot_motion(points: Mapping[str, Floats], side: Side, rate: float, up: Float
     time = np.arange(known[0] / rate, known[-1] / rate, 1 / FINE_HZ)
     heel, toe, centre, x = (_read(each, frames, known, rate, time) for each in raw)
     seen = np.interp(time, frames / rate, there[frames]) == 1.0
-    return _moving(time, seen, heel, toe, centre, unit(x - (x @ up)[:, None] * up), up)
+    return _moving(time, seen, heel, toe, centre, unit(along_floor(x)))
 
 
-def _moving(time: Floats, seen: Bools, heel: Floats, toe: Floats, pelvis: Floats, d: Floats, up: Floats) -> Foot:
+def _moving(time: Floats, seen: Bools, heel: Floats, toe: Floats, pelvis: Floats, d: Floats) -> Foot:
     """Of markers and the pelvis' own direction d on the floor, (N, 3)."""
     sole, centre = toe - heel, (heel + toe) / 2
     e, length = unit(sole), float(np.median(np.linalg.norm(sole, axis=1)))
-    floor = _floor(_rate(centre), _rate(pelvis), d, up)
+    floor = _floor(_rate(centre), _rate(pelvis), d)
     tip = _rate(toe + TIP * length * e) - floor
-    tip_speed = np.linalg.norm(tip - (tip @ up)[:, None] * up, axis=1)
+    tip_speed = np.linalg.norm(along_floor(tip), axis=1)
     forward = ((toe - pelvis) * d).sum(1)
     return Foot(
         time, seen, centre,
         heel_ahead=((heel - pelvis) * d).sum(1),
         toe_ahead=forward,
         toe_forward=_rate(forward),
-        heel_z=heel @ up,
-        toe_down=-_rate(toe @ up),
+        heel_z=heel @ Z_UP,
+        toe_down=-_rate(toe @ Z_UP),
         heel_jerk=(_rate(heel, 3) * d).sum(1),
-        heel_jerk_up=_rate(heel @ up, 3),
-        middle_jerk_up=_rate(centre @ up, 3),
-        turning_jerk=_rate(np.arcsin(np.clip(-(e @ up), -1, 1)), 3),
+        heel_jerk_up=_rate(heel @ Z_UP, 3),
+        middle_jerk_up=_rate(centre @ Z_UP, 3),
+        turning_jerk=_rate(np.arcsin(np.clip(-(e @ Z_UP), -1, 1)), 3),
         middle_speed=np.linalg.norm(_rate(centre) - floor, axis=1),
         tip_speed=tip_speed,
         tip_gain=_rate(tip_speed),
     )  # fmt: skip
 
 
-def _floor(centre: Floats, pelvis: Floats, d: Floats, up: Floats) -> Floats:
+def _floor(centre: Floats, pelvis: Floats, d: Floats) -> Floats:
     """(3) mm/s velocity of the floor (2), from velocities (N, 3) of the foot's middle and the pelvis."""
     back = ((centre - pelvis) * d).sum(1)
-    v = np.median(centre[back <= np.percentile(back, STANDING)], axis=0)
-    v = v - (v @ up) * up
+    v = along_floor(np.median(centre[back <= np.percentile(back, STANDING)], axis=0))
     return v if np.linalg.norm(v) >= BELT_MM_S else np.zeros(3)
 
 

@@ -26,7 +26,6 @@ from .plate_contacts import Contact, contacts
 from .progression import progression, way_walked
 from .reaction import Reaction, plate_axes, reaction
 from .segment_inertia import SegmentInertia
-from .segments import Z_UP
 from .upper_body import UPPER_BODY_AXES, upper_body_angles
 
 GAIT = Stage("gait", "kinemark.gait", default="physical", meaning="angles, moments and powers of walking")
@@ -109,7 +108,7 @@ class Inputs(NamedTuple):
 
     Attributes:
         points: (F, 3) mm by name. measures: of the subject.
-        reactions: of the plates. contacts: on them. rate: frames a second. up: of the laboratory.
+        reactions: of the plates. contacts: on them. rate: frames a second.
         body: clusters that show segments, where there are.
     """
 
@@ -118,7 +117,6 @@ class Inputs(NamedTuple):
     reactions: tuple[Reaction, ...]
     contacts: tuple[Contact, ...]
     rate: float
-    up: Floats = Z_UP
     body: CalibratedBody | None = None
 
 
@@ -143,8 +141,8 @@ def gait_of(given: Inputs, how: Mechanics) -> GaitTrial:
     limbs = limbs_of(given, how.hip_centre)
     on = {side: ground_contact(side, given.reactions, given.contacts, how.counts) for side in SIDES}
     loads = leg_loads(limbs, on, given, how)
-    lab = way_walked(limbs, given.up, rate=given.rate) if how.along_way else progression(limbs, given.up)
-    angles = clinical_angles(limbs, up=given.up, lab=lab)
+    lab = way_walked(limbs, rate=given.rate) if how.along_way else progression(limbs)
+    angles = clinical_angles(limbs, lab=lab)
     angles |= upper_body_angles(given.points, given.measures, limbs.pelvis, lab)
     signals = signals_of(angles, loads, on, given.measures.mass_kg, rate=given.rate)
     taken = given.contacts if "shared" in how.counts else tuple(one.apart for one in given.contacts)
@@ -168,7 +166,7 @@ def leg_loads(
         loads = joint_loads(
             limbs.leg(side), limbs.pelvis, on[side], mass_kg=mass or np.nan,
             foot_mm=foot_length(given.points, given.measures, side), rate=given.rate, inertia=how.inertia,
-            rotation_derivative=how.rotation_derivative, acceleration=how.acceleration, up=given.up,
+            rotation_derivative=how.rotation_derivative, acceleration=how.acceleration,
         )  # fmt: skip
         found |= {LETTER[side] + joint: load for joint, load in loads.items()}
     return found

@@ -126,7 +126,6 @@ def joint_loads(
     inertia: Mapping[str, SegmentInertia],
     rotation_derivative: Derivative = five_point,
     acceleration: Derivative = twice_five_point,
-    up: Floats = Z_UP,
 ) -> dict[str, JointLoad]:
     """Ankle, knee and hip by (1) to (3); NaN in four frames at each end, where a marker is missing, and
     everywhere where the foot's length is unknown.
@@ -140,7 +139,6 @@ def joint_loads(
         inertia: of foot, shank and thigh.
         rotation_derivative: (4) or (5).
         acceleration: of centres of mass, mm/s²: `twice_five_point` or `spline_acceleration`.
-        up: of the laboratory.
 
     Raises:
         KinemarkError: the mass is unknown.
@@ -162,7 +160,7 @@ def joint_loads(
     for name, part, segment, proximal, distal, length in chain:
         share = inertia[part]
         m, centre = share.mass * mass_kg, proximal + share.centre * (distal - proximal)
-        F = m * (acceleration(centre, dt) / 1000.0 + GRAVITY * up) - force  # (1)
+        F = m * (acceleration(centre, dt) / 1000.0 + GRAVITY * Z_UP) - force  # (1)
         omega = angular_velocity(segment.R, dt, rotation_derivative)
         change = _momentum_change(segment.R, omega, m, share.radius, length, dt, rotation_derivative)
         levers = np.cross(_lever(at, centre), force) + np.cross(_lever(proximal, centre), F)

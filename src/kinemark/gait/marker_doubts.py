@@ -27,7 +27,7 @@ import numpy as np
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER
 from ..numerics.finite import finite_median
-from .segments import Z_UP, unit
+from .segments import Z_UP, along_floor, unit
 
 ACROSS = ("ASI", "PSI", "THI", "KNE", "TIB", "ANK", "HEE", "TOE")
 """Pairs of (1), after L and R; conventional."""
@@ -80,27 +80,27 @@ class MarkerDoubts(NamedTuple):
     moved: tuple[tuple[str, str, float], ...] = ()
 
 
-def marker_doubts(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> MarkerDoubts:
+def marker_doubts(points: Mapping[str, Floats]) -> MarkerDoubts:
     """What of a trial's names cannot be; nothing of markers that are not there.
 
     Args:
-        points: (F, 3) mm by the model's names. up: of the laboratory.
+        points: (F, 3) mm by the model's names.
     """
     changing = list(_moved(points))
-    exchanged = (*_exchanged_sides(points, up, changing), *_exchanged_in_legs(points))
+    exchanged = (*_exchanged_sides(points, changing), *_exchanged_in_legs(points))
     named = {name for _, names in exchanged for name in names}
     moved = tuple((a, b, mm) for a, b, mm in changing if not {a, b} & named)
     return MarkerDoubts(exchanged, moved)
 
 
 def _exchanged_sides(
-    points: Mapping[str, Floats], up: Floats, changing: Sequence[tuple[str, str, float]]
+    points: Mapping[str, Floats], changing: Sequence[tuple[str, str, float]]
 ) -> Iterator[tuple[Exchange, tuple[str, ...]]]:
     """By (1), (2) and (5), with what fails (4)."""
-    forward = forward_of(points, up)
+    forward = forward_of(points)
     if forward is None:
         return
-    left = np.cross(up, forward)
+    left = np.cross(Z_UP, forward)
     pairs = [("L" + name, "R" + name) for name in ACROSS if {"L" + name, "R" + name} <= set(points)]
     aside = {(a, b): along(points[a] - points[b], left) for a, b in pairs}
     across = [pair for pair, mm in aside.items() if mm < -OPPOSITE_MM]
@@ -166,13 +166,13 @@ def nearer_to_other(points: Mapping[str, Floats], joint: str, name: str, *, time
     )
 
 
-def forward_of(points: Mapping[str, Floats], up: Floats) -> Floats | None:
+def forward_of(points: Mapping[str, Floats]) -> Floats | None:
     """(F, 3) p; None where the pelvis has no markers in front or at the back."""
     back = ["SACR"] if "SACR" in points else ["LPSI", "RPSI"]
     if not {"LASI", "RASI", *back} <= set(points):
         return None
     p = (points["LASI"] + points["RASI"]) / 2 - sum(points[name] for name in back) / len(back)
-    return unit(p - (p @ up)[:, None] * up)
+    return unit(along_floor(p))
 
 
 def along(v: Floats, way: Floats) -> float:

@@ -29,7 +29,7 @@ from ..data.subject_measures import LETTER, SIDES, Side
 from ..numerics.finite import finite_median
 from ..numerics.runs import true_runs
 from .reaction import Reaction, plate_axes
-from .segments import Z_UP
+from .segments import Z_UP, along_floor
 
 SHORTEST_S = 0.1
 """Of a contact, s; chosen: shorter loads are knocks."""
@@ -87,29 +87,27 @@ class Contact(NamedTuple):
         return self._replace(side=None, reason="two_plates") if self.reason == "shared" else self
 
 
-def contacts(
-    reactions: Sequence[Reaction], points: Mapping[str, Floats], *, rate: float, up: Floats = Z_UP
-) -> tuple[Contact, ...]:
+def contacts(reactions: Sequence[Reaction], points: Mapping[str, Floats], *, rate: float) -> tuple[Contact, ...]:
     """All loads of all plates, in the order of time.
 
     Args:
         reactions: of the plates over F frames.
         points: (F, 3) mm, with LHEE, LTOE, RHEE and RTOE.
-        rate: frames a second. up: of the laboratory.
+        rate: frames a second.
     """
     feet = {side: _Foot.of(points, side, rate) for side in SIDES}
     judged = [
-        _judged(plate, reaction, first, stop, feet, rate, up)
+        _judged(plate, reaction, first, stop, feet, rate)
         for plate, reaction in enumerate(reactions)
         for first, stop in _loads(reaction.loaded, rate)
     ]
     found = list(judged)
     for k, one in enumerate(judged):
-        parts = [j for j, other in enumerate(judged) if _shares(one, other, reactions, feet, rate, up)]
+        parts = [j for j, other in enumerate(judged) if _shares(one, other, reactions, feet, rate)]
         if not parts or found[k].reason == "shared":
             continue
         step = [judged[j] for j in (k, *parts)]
-        if _adds_up(step, reactions, feet, up):
+        if _adds_up(step, reactions, feet):
             for j in (k, *parts):
                 found[j] = judged[j]._replace(side=one.side, reason="shared")
         else:
@@ -166,11 +164,9 @@ class _Foot(NamedTuple):
         return cls(heel, toe, toe_v, centre, speed < STANDING_MM_S, finite_median(length))
 
 
-def _judged(
-    plate: int, reaction: Reaction, first: int, stop: int, feet: Mapping[Side, _Foot], rate: float, up: Floats
-) -> Contact:
+def _judged(plate: int, reaction: Reaction, first: int, stop: int, feet: Mapping[Side, _Foot], rate: float) -> Contact:
     """A load with its foot."""
-    distance = {side: _distance(reaction, foot, first, stop, up) for side, foot in feet.items()}
+    distance = {side: _distance(reaction, foot, first, stop) for side, foot in feet.items()}
     near, far = sorted(SIDES, key=lambda side: np.nan_to_num(distance[side], nan=np.inf))
     on = {side: _on_plate(reaction, foot, first, stop).mean() for side, foot in feet.items()}
     d, reason = distance[near], ""
@@ -195,42 +191,42 @@ def _judged(
 
 
 def _shares(
-    one: Contact, other: Contact, reactions: Sequence[Reaction], feet: Mapping[Side, _Foot], rate: float, up: Floats
+    one: Contact, other: Contact, reactions: Sequence[Reaction], feet: Mapping[Side, _Foot], rate: float
 ) -> bool:
     """Whether another plate, meanwhile or without a break, carries part of the step of contact `one` (3)."""
     apart = max(one.first, other.first) - min(one.stop, other.stop)
     if one.plate == other.plate or apart > BRIDGED_S * rate or one.side is None:
         return False
-    away = {s: _distance(reactions[other.plate], foot, other.first, other.stop, up) for s, foot in feet.items()}
+    away = {s: _distance(reactions[other.plate], foot, other.first, other.stop) for s, foot in feet.items()}
     near, far = away.pop(one.side), next(iter(away.values()))
-    whole, part = (np.abs(reactions[c.plate].force[c.first : c.stop] @ up).sum() for c in (one, other))
+    whole, part = (np.abs(reactions[c.plate].force[c.first : c.stop] @ Z_UP).sum() for c in (one, other))
     reach = REACHING_FEET if np.isfinite(far) else NEAR_FEET
     below = near <= reach * feet[one.side].length and not far < CLEARER * near
     return bool(below and part > SHARED_IMPULSE * whole)
 
 
-def _adds_up(step: Sequence[Contact], reactions: Sequence[Reaction], feet: Mapping[Side, _Foot], up: Floats) -> bool:
+def _adds_up(step: Sequence[Contact], reactions: Sequence[Reaction], feet: Mapping[Side, _Foot]) -> bool:
     """Whether the loads of several plates are all of the foot of the first one (4)."""
     if step[0].reason not in ("", "beside") or any(one.reason not in ("", "beside", "no_foot") for one in step):
         return False
     foot = feet[step[0].side or "left"]
-    impulse = [np.abs(reactions[one.plate].force[one.first : one.stop] @ up).sum() for one in step]
+    impulse = [np.abs(reactions[one.plate].force[one.first : one.stop] @ Z_UP).sum() for one in step]
     first, stop = min(one.first for one in step), max(one.stop for one in step)
     return bool(
         min(impulse) > SHARED_IMPULSE * max(impulse)
-        and all(_below(reactions[one.plate], foot, one.first, one.stop, up) for one in step)
+        and all(_below(reactions[one.plate], foot, one.first, one.stop) for one in step)
         and _whole([reactions[one.plate] for one in step], foot, first, stop)
     )
 
 
-def _below(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> bool:
+def _below(reaction: Reaction, foot: _Foot, first: int, stop: int) -> bool:
     """Whether the pressure is below the foot (4)."""
     sole = (foot.toe - foot.heel)[first:stop]
-    sole = sole - (sole @ up)[:, None] * up
+    sole = along_floor(sole)
     ahead = sole / np.linalg.norm(sole, axis=1)[:, None]
     off = reaction.centre[first:stop] - foot.heel[first:stop]
-    a, b = ((off * axis).sum(1) / foot.length for axis in (ahead, np.cross(up, ahead)))
-    weight = np.abs(reaction.force[first:stop] @ up)
+    a, b = ((off * axis).sum(1) / foot.length for axis in (ahead, np.cross(Z_UP, ahead)))
+    weight = np.abs(reaction.force[first:stop] @ Z_UP)
     seen = np.isfinite(a + b + weight) & (weight > 0)
     if not seen.any():
         return False
@@ -238,11 +234,11 @@ def _below(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -
     return ALONG_FEET[0] < along < ALONG_FEET[1] and abs(aside) < BESIDE_FEET
 
 
-def _distance(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> float:
+def _distance(reaction: Reaction, foot: _Foot, first: int, stop: int) -> float:
     """(1), mm; NaN where the foot is not seen."""
     offset = reaction.centre[first:stop] - foot.centre[first:stop]
-    offset = offset - (offset @ up)[:, None] * up
-    weight = np.abs(reaction.force[first:stop] @ up)
+    offset = along_floor(offset)
+    weight = np.abs(reaction.force[first:stop] @ Z_UP)
     seen = np.isfinite(offset).all(1) & (weight > 0)
     return (
         float((weight[seen] * np.linalg.norm(offset[seen], axis=1)).sum() / weight[seen].sum())

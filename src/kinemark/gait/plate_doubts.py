@@ -42,7 +42,7 @@ from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES
 from .plate_contacts import Contact
 from .reaction import Reaction, plate_axes
-from .segments import Z_UP, unit
+from .segments import Z_UP, along_floor, unit
 
 LOADED = 0.2
 """Of a contact's greatest force, from which (1) counts; chosen: less says little of where it acts."""
@@ -92,19 +92,18 @@ class PlateDoubt(NamedTuple):
 
 
 def plate_doubts(
-    reactions: Sequence[Reaction], contacts: Sequence[Contact], points: Mapping[str, Floats], *, up: Floats = Z_UP
+    reactions: Sequence[Reaction], contacts: Sequence[Contact], points: Mapping[str, Floats]
 ) -> tuple[PlateDoubt, ...]:
     """Contacts that count and whose pressure or force cannot be the foot's, by (1), (2), (7); of each plate the worst.
 
     Args:
         reactions: of the plates over F frames. contacts: on them. points: (F, 3) mm by the model's names.
-        up: of the laboratory.
     """
     found: dict[tuple[int, PlateFault], float] = {}
     for one in contacts:
         if one.side is None or one.reason:
             continue
-        for what, value in _of_contact(reactions[one.plate], one, points, up):
+        for what, value in _of_contact(reactions[one.plate], one, points):
             found[one.plate, what] = max(found.get((one.plate, what), value), value, key=abs)
     return tuple(PlateDoubt(plate, what, value) for (plate, what), value in found.items())
 
@@ -206,10 +205,10 @@ def _same(plate: FootEvent, marker: FootEvent, strike: bool) -> bool:
 
 
 def _of_contact(
-    reaction: Reaction, contact: Contact, points: Mapping[str, Floats], up: Floats
+    reaction: Reaction, contact: Contact, points: Mapping[str, Floats]
 ) -> Iterator[tuple[PlateFault, float]]:
     """By (1) and (2)."""
-    a, b = _in_feet(reaction, contact, points, up)
+    a, b = _in_feet(reaction, contact, points)
     fifth = len(a) // 5
     if not fifth:
         return
@@ -218,9 +217,7 @@ def _of_contact(
         yield "beside", aside
     elif forward < -STILL or (forward < STILL and np.ptp(a) < STILL):
         yield "backward", forward
-    elif askew := [
-        c for c, least in zip(_towards_body(reaction, contact, points, up), TOWARDS, strict=True) if c < least
-    ]:
+    elif askew := [c for c, least in zip(_towards_body(reaction, contact, points), TOWARDS, strict=True) if c < least]:
         yield "askew", min(askew)
 
 
@@ -229,9 +226,7 @@ def _lasting(b: Floats, n: int) -> float:
     return float(np.lib.stride_tricks.sliding_window_view(b, n).min(axis=1).max())
 
 
-def _towards_body(
-    reaction: Reaction, contact: Contact, points: Mapping[str, Floats], up: Floats
-) -> tuple[float, float]:
+def _towards_body(reaction: Reaction, contact: Contact, points: Mapping[str, Floats]) -> tuple[float, float]:
     """(7) over the loaded frames of a contact; 1 where too little is seen."""
     frames, letter = slice(contact.first, contact.stop), LETTER[contact.side or "left"]
     pelvis = [points[name][frames] for name in PELVIS if name in points]
@@ -239,12 +234,12 @@ def _towards_body(
         return 1.0, 1.0
     d = np.mean(pelvis, axis=0) - (points[letter + "HEE"] + points[letter + "TOE"])[frames] / 2
     force = reaction.force[frames]
-    on = np.isfinite(d + force).all(1) & (force @ up > LOADED * np.nanmax(force @ up, initial=0.0))
+    on = np.isfinite(d + force).all(1) & (force @ Z_UP > LOADED * np.nanmax(force @ Z_UP, initial=0.0))
     if on.sum() < 2:
         return 1.0, 1.0
-    d, f = (v[on] / (v[on] @ up)[:, None] - up for v in (d, force))
+    d, f = (v[on] / (v[on] @ Z_UP)[:, None] - Z_UP for v in (d, force))
     way = unit(d[-1] - d[0])
-    return _cosine(d @ way, f @ way), _cosine(d @ np.cross(up, way), f @ np.cross(up, way))
+    return _cosine(d @ way, f @ way), _cosine(d @ np.cross(Z_UP, way), f @ np.cross(Z_UP, way))
 
 
 def _cosine(a: Floats, b: Floats) -> float:
@@ -253,17 +248,17 @@ def _cosine(a: Floats, b: Floats) -> float:
     return float(a @ b) / size if size > 0 else 1.0
 
 
-def _in_feet(reaction: Reaction, contact: Contact, points: Mapping[str, Floats], up: Floats) -> tuple[Floats, Floats]:
+def _in_feet(reaction: Reaction, contact: Contact, points: Mapping[str, Floats]) -> tuple[Floats, Floats]:
     """(n) of (1) over the loaded frames of a contact; empty where the foot is not seen."""
     frames, letter = slice(contact.first, contact.stop), LETTER[contact.side or "left"]
     heel, toe = (points[letter + name][frames] for name in ("HEE", "TOE"))
     n = len(heel)
     stands = np.isfinite(heel + toe).all(1) & (np.arange(n) >= n // 4) & (np.arange(n) <= n // 2)
-    force, centre = np.abs(reaction.force[frames] @ up), reaction.centre[frames]
+    force, centre = np.abs(reaction.force[frames] @ Z_UP), reaction.centre[frames]
     on = np.isfinite(centre + toe).all(1) & (force > LOADED * np.nanmax(force, initial=0.0))
     if not stands.any() or not on.any():
         return np.zeros(0), np.zeros(0)
     f = np.median((toe - heel)[stands], axis=0)
-    foot, f = max(float(np.linalg.norm(f)), 1e-300), unit(f - (f @ up) * up)
+    foot, f = max(float(np.linalg.norm(f)), 1e-300), unit(along_floor(f))
     off = (centre - toe)[on]
-    return 1 + off @ f / foot, off @ np.cross(up, f) / foot
+    return 1 + off @ f / foot, off @ np.cross(Z_UP, f) / foot

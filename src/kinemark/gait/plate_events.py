@@ -44,32 +44,31 @@ class _Force(NamedTuple):
     start: float
 
 
-def plate_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP) -> tuple[FootEvent, ...]:
+def plate_events(trial: Trial, points: Mapping[str, Floats]) -> tuple[FootEvent, ...]:
     """Events of feet that stood whole and alone on a plate.
 
     Args:
         trial: with its plates and channels. points: (F, 3) mm of its markers by name.
-        up: of the laboratory.
     """
     rate, n = trial.trajectories.rate, trial.trajectories.n_frames
     at_frames = [
-        reaction(p, trial.analog, n_frames=n, rate=rate, threshold_n=PLATE_N, zeroed=True, up=up) for p in trial.plates
+        reaction(p, trial.analog, n_frames=n, rate=rate, threshold_n=PLATE_N, zeroed=True) for p in trial.plates
     ]
     found: list[FootEvent] = []
-    for step in steps_of(contacts(at_frames, points, rate=rate, up=up), rate):
-        each = [contact_events(trial, one, up) for one in step]
+    for step in steps_of(contacts(at_frames, points, rate=rate), rate):
+        each = [contact_events(trial, one) for one in step]
         strikes, offs = ([e for own in each for e in own if e.strike == strike] for strike in (True, False))
         found += [min(strikes, key=lambda e: e.time), max(offs, key=lambda e: e.time)] if strikes else []
     return tuple(sorted(found, key=lambda e: e.time))
 
 
-def contact_events(trial: Trial, contact: Contact, up: Floats = Z_UP) -> list[FootEvent]:
+def contact_events(trial: Trial, contact: Contact) -> list[FootEvent]:
     """Strike and off of one contact at the rate of its channels; none of a load whose foot is not known.
 
     Args:
-        trial: with its plates and channels. contact: of a foot with one of them. up: of the laboratory.
+        trial: with its plates and channels. contact: of a foot with one of them.
     """
-    force, rate = _force(trial, contact.plate, up), trial.trajectories.rate
+    force, rate = _force(trial, contact.plate), trial.trajectories.rate
     first, stop = (round((f / rate - force.start) * force.rate) for f in (contact.first - 2, contact.stop + 2))
     window = slice(max(first, 0), max(stop, 0))
     on = np.flatnonzero(force.newton[window] > PLATE_N) + window.start
@@ -79,7 +78,7 @@ def contact_events(trial: Trial, contact: Contact, up: Floats = Z_UP) -> list[Fo
     return [FootEvent(contact.side, strike, time, sd, "plate") for strike, (time, sd) in ends]
 
 
-def _force(trial: Trial, plate: int, up: Floats) -> _Force:
+def _force(trial: Trial, plate: int) -> _Force:
     """Of one plate, at every sample."""
     own = trial.plates[plate]
     record = next(a for a in trial.analog if own.channels[0] in a.names)
@@ -88,9 +87,9 @@ def _force(trial: Trial, plate: int, up: Floats) -> _Force:
         own = replace(own, zero_frames=np.subtract(ends * record.rate, (0, 1)))
     fine = reaction(
         own, [replace(record, start=0.0)], n_frames=record.values.shape[1], rate=record.rate, threshold_n=0.0,
-        averaged=False, zeroed=True, up=up,
+        averaged=False, zeroed=True,
     )  # fmt: skip
-    return _Force(np.abs(fine.force @ up), record.rate, record.start)
+    return _Force(np.abs(fine.force @ Z_UP), record.rate, record.start)
 
 
 def _crossing(force: _Force, k: int, outwards: int) -> tuple[float, float]:

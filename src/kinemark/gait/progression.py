@@ -21,7 +21,7 @@ from ..data.array_types import Floats
 from ..data.subject_measures import SIDES
 from .backwards import parts_by_way, way_as_faced
 from .lower_limb import LowerLimbs
-from .segments import Z_UP, Segment, unit
+from .segments import Z_UP, Segment, along_floor, unit
 from .straight_passes import BEND_MM, WALKED_MM, Pass, straight_passes
 
 ALONG_DEG = 5.0
@@ -40,38 +40,38 @@ NEAR_DEG = 30.0
 sway turns the way at a moment by up to 15."""
 
 
-def progression(limbs: LowerLimbs, up: Floats = Z_UP) -> Floats:
+def progression(limbs: LowerLimbs) -> Floats:
     """(3, 3) forward, left and up of (1) as columns: a horizontal axis of the laboratory."""
-    forward = _walked(limbs, up)
+    forward = _walked(limbs)
     if np.linalg.norm(forward) < WALKED_MM:
-        forward = _faced(limbs, up)
-    return _turned_to(_nearest_axis(forward), up)
+        forward = _faced(limbs)
+    return _turned_to(_nearest_axis(forward))
 
 
-def way_walked(limbs: LowerLimbs, up: Floats = Z_UP, *, rate: float) -> Floats:
+def way_walked(limbs: LowerLimbs, *, rate: float) -> Floats:
     """(3, 3) forward, left and up of (2) as columns: the way, or the laboratory's axis within `ALONG_DEG` of it.
 
     Where the way turns or bends it is (F, 3, 3), of each frame (3) to (5); of who walks backwards by (6).
 
     Args:
-        limbs: over frames. up: of the laboratory. rate: frames a second.
+        limbs: over frames. rate: frames a second.
     """
-    forward = _walked(limbs, up)
-    if _bends(limbs, forward, up) and (each := _at_each_moment(limbs, up, rate)) is not None:
-        each = _with_passes(each, straight_passes(_floor(limbs.pelvis.origin, up), rate=rate))
-        return _turned_to(_as_faced(each, limbs.pelvis, up), up)
-    sign = -1.0 if way_as_faced(limbs.pelvis, up) <= -WALKED_MM else 1.0  # (6)
+    forward = _walked(limbs)
+    if _bends(limbs, forward) and (each := _at_each_moment(limbs, rate)) is not None:
+        each = _with_passes(each, straight_passes(along_floor(limbs.pelvis.origin), rate=rate))
+        return _turned_to(_as_faced(each, limbs.pelvis))
+    sign = -1.0 if way_as_faced(limbs.pelvis) <= -WALKED_MM else 1.0  # (6)
     if np.linalg.norm(forward) < WALKED_MM:
-        forward = sign * _stepped(limbs, up)
+        forward = sign * _stepped(limbs)
     if np.linalg.norm(forward) == 0:
-        return progression(limbs, up)
-    return _turned_to(sign * _along_axis(unit(forward)), up)
+        return progression(limbs)
+    return _turned_to(sign * _along_axis(unit(forward)))
 
 
-def _as_faced(each: Floats, pelvis: Segment, up: Floats) -> Floats:
+def _as_faced(each: Floats, pelvis: Segment) -> Floats:
     """(F, 3) directions of the way, turned about where the subject walks backwards (6): throughout, or where it faces
     against the way in a trial of both."""
-    if len(parts := parts_by_way(pelvis, up)) == 1:
+    if len(parts := parts_by_way(pelvis)) == 1:
         return -each if parts[0].backwards else each
     against = (each * pelvis.R[..., 0]).sum(-1) < 0
     return np.where(against[:, None], -each, each)
@@ -94,13 +94,13 @@ def _with_passes(each: Floats, passes: Sequence[Pass]) -> Floats:
     return out
 
 
-def _turned_to(forward: Floats, up: Floats) -> Floats:
-    return np.stack([forward, np.cross(up, forward), np.broadcast_to(up, forward.shape)], -1)
+def _turned_to(forward: Floats) -> Floats:
+    return np.stack([forward, np.cross(Z_UP, forward), np.broadcast_to(Z_UP, forward.shape)], -1)
 
 
-def _bends(limbs: LowerLimbs, forward: Floats, up: Floats) -> bool:
+def _bends(limbs: LowerLimbs, forward: Floats) -> bool:
     """Whether the pelvis walks and leaves the line between the ends of its way, or goes back along it."""
-    at = _floor(limbs.pelvis.origin, up)
+    at = along_floor(limbs.pelvis.origin)
     at = at[np.isfinite(at).all(-1)]
     if not len(at):
         return False
@@ -111,9 +111,9 @@ def _bends(limbs: LowerLimbs, forward: Floats, up: Floats) -> bool:
     return bool(far > (BEND_MM if line.any() else WALKED_MM) or back > WALKED_MM)
 
 
-def _at_each_moment(limbs: LowerLimbs, up: Floats, rate: float) -> Floats | None:
+def _at_each_moment(limbs: LowerLimbs, rate: float) -> Floats | None:
     """(F, 3) direction of the way (4); None where the subject stands, or drifts."""
-    at = _floor(limbs.pelvis.origin, up)
+    at = along_floor(limbs.pelvis.origin)
     frames = np.arange(len(at))
     seen = np.flatnonzero(np.isfinite(at).all(-1))
     early, late = (np.clip(frames + side * HALF_S * rate, seen[0], seen[-1]) for side in (-1, 1))
@@ -125,36 +125,31 @@ def _at_each_moment(limbs: LowerLimbs, up: Floats, rate: float) -> Floats | None
     return np.asarray(unit(way[goes[nearest]]))
 
 
-def _floor(v: Floats, up: Floats) -> Floats:
-    """(…, 3) without the vertical part."""
-    return np.asarray(v - (v @ up)[..., None] * up)
-
-
 def _nearest_axis(forward: Floats) -> Floats:
     """(3) of the laboratory."""
     k = int(np.abs(forward).argmax())
     return np.asarray(np.eye(3)[k] * (np.sign(forward[k]) or 1.0))
 
 
-def _walked(limbs: LowerLimbs, up: Floats) -> Floats:
+def _walked(limbs: LowerLimbs) -> Floats:
     """(3) mm along the floor, of the pelvis from its first to its last frame."""
     at = limbs.pelvis.origin
     seen = np.isfinite(at).all(-1)
-    return _floor(at[seen][-1] - at[seen][0] if seen.any() else np.zeros(3), up)
+    return along_floor(at[seen][-1] - at[seen][0] if seen.any() else np.zeros(3))
 
 
-def _faced(limbs: LowerLimbs, up: Floats) -> Floats:
+def _faced(limbs: LowerLimbs) -> Floats:
     """(3) along the floor, the mean of the pelvis' own x."""
     x = limbs.pelvis.R[..., 0]
     seen = np.isfinite(x).all(-1) & np.isfinite(limbs.pelvis.origin).all(-1)
-    return _floor(x[seen].mean(0) if seen.any() else np.zeros(3), up)
+    return along_floor(x[seen].mean(0) if seen.any() else np.zeros(3))
 
 
-def _stepped(limbs: LowerLimbs, up: Floats) -> Floats:
+def _stepped(limbs: LowerLimbs) -> Floats:
     """(3) along the floor, in which feet go to and fro below the pelvis, as it faces; 0 where they stand."""
     apart = []
     for side in SIDES:
-        foot = _floor(limbs.leg(side).ankle - limbs.pelvis.origin, up)
+        foot = along_floor(limbs.leg(side).ankle - limbs.pelvis.origin)
         apart.append((foot := foot[np.isfinite(foot).all(-1)]) - (foot.mean(0) if len(foot) else 0.0))
     both = np.concatenate(apart)
     if not len(both):
@@ -162,4 +157,4 @@ def _stepped(limbs: LowerLimbs, up: Floats) -> Floats:
     _, size, axes = np.linalg.svd(both, full_matrices=False)
     if size[0] < TO_AND_FRO_MM * np.sqrt(len(both)):
         return np.zeros(3)
-    return np.asarray(axes[0] * (np.sign(axes[0] @ _faced(limbs, up)) or 1.0))
+    return np.asarray(axes[0] * (np.sign(axes[0] @ _faced(limbs)) or 1.0))

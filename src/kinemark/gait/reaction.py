@@ -93,7 +93,6 @@ def reaction(
     averaged: bool = True,
     zeroed: bool = False,
     cutoff_hz: float | None = None,
-    up: Floats = Z_UP,
 ) -> Reaction:
     """The ground reaction of a plate at each frame of the markers.
 
@@ -105,7 +104,6 @@ def reaction(
         averaged: take the mean of as many samples as a frame has, centred on it; else the one sample.
         zeroed: the baseline (5) is taken from the data where the file states none; it is 0 else.
         cutoff_hz: of a low-pass filter of force and moment (8); none where None.
-        up: of the laboratory.
 
     Raises:
         KinemarkError: the plate is of an unknown type, a channel is missing, or too slow for the cut-off.
@@ -113,7 +111,7 @@ def reaction(
     record, values = _recorded(plate, analog)
     baseline = _baseline(values, record, plate, rate, zeroed)
     R, middle = plate_axes(plate.corners)
-    outward = 1.0 if R[:, 2] @ up > FACES_UP else -1.0
+    outward = 1.0 if R[:, 2] @ Z_UP > FACES_UP else -1.0
 
     def in_plate(samples: Floats) -> tuple[Floats, Floats, Floats | None]:
         channels = at_frames(samples, record, n_frames=n_frames, rate=rate, averaged=averaged)
@@ -124,7 +122,7 @@ def reaction(
     loaded = _bridged(np.asarray(np.abs(force[:, 2]) > threshold_n), unknown)  # (6)
     if cutoff_hz is not None:
         force, moment, centre = in_plate(_low_passed(plate, values - baseline, record.rate, cutoff_hz))  # (8)
-    sign = 1.0 if np.nansum((force @ R.T) @ up) >= 0 else -1.0  # (4)
+    sign = 1.0 if np.nansum((force @ R.T) @ Z_UP) >= 0 else -1.0  # (4)
     if centre is None:
         centre, free = _centre(force, moment, loaded)
     else:

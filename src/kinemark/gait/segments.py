@@ -10,7 +10,7 @@ from ..data.array_types import Floats
 from ..data.laboratory_axes import unit as unit
 
 Z_UP: Floats = np.array([0.0, 0.0, 1.0])
-"""Where up is, unless a file says otherwise; conventional."""
+"""Where up is in all of this package: `standard_trial` turns what comes from files; conventional."""
 ROUNDS = 8
 """Of turning a wand about its segment; chosen, the sixth changes nothing at double precision."""
 
@@ -35,6 +35,11 @@ class Segment:
         """The same segment, turned about its own z."""
         c, s = np.cos(np.radians(deg)), np.sin(np.radians(deg))
         return Segment(self.R @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), self.origin)
+
+
+def along_floor(v: Floats) -> Floats:
+    """(…, 3) v without its vertical part."""
+    return np.asarray(v - (v @ Z_UP)[..., None] * Z_UP)
 
 
 def perpendicular(v: Floats, u: Floats) -> Floats:

@@ -25,7 +25,6 @@ def with_static_offsets(
     flat_foot: bool,
     hip_centre: HipCentre = "davis",
     axes: bool = True,
-    up: Floats = Z_UP,
 ) -> SubjectMeasures:
     """The measures with all that a static trial shows of the legs, means over its frames.
 
@@ -35,7 +34,7 @@ def with_static_offsets(
         measures: of the subject.
         static: (F, 3) mm by name, a standing trial.
         flat_foot: the sole is flat on the floor: HEE counts as high as TOE, and higher by the sole's difference.
-        hip_centre: the regression. up: of the laboratory.
+        hip_centre: the regression.
         axes: knee alignment devices and markers inside of the joints, where there are, turn the wands back.
 
     Raises:
@@ -46,20 +45,20 @@ def with_static_offsets(
         measures = with_static_axes(measures, static, hip_centre=hip_centre)
     limbs = lower_limbs(static, measures, hip_centre=hip_centre)
     asis = measures.asis_mm or mean_length(static["LASI"] - static["RASI"])
-    left, right = (_with_offsets(measures, limbs, static, side, flat_foot, up) for side in SIDES)
+    left, right = (_with_offsets(measures, limbs, static, side, flat_foot) for side in SIDES)
     return replace(measures, left=left, right=right, asis_mm=asis)
 
 
 def _with_offsets(
-    measures: SubjectMeasures, limbs: LowerLimbs, static: Mapping[str, Floats], side: Side, flat: bool, up: Floats
+    measures: SubjectMeasures, limbs: LowerLimbs, static: Mapping[str, Floats], side: Side, flat: bool
 ) -> LegMeasures:
     own, leg = measures.leg(side), limbs.leg(side)
     if not leg_seen(static, side):
         return own  # nobody wears markers there
     heel, toe = static[LETTER[side] + "HEE"], static[LETTER[side] + "TOE"]
     if flat:
-        lift = ((toe - heel) @ up)[..., None] + own.sole_mm
-        heel = heel + lift * up
+        lift = ((toe - heel) @ Z_UP)[..., None] + own.sole_mm
+        heel = heel + lift * Z_UP
     stood = upright(toe, heel - toe, leg.shank.R[..., 1])
     deg = principal(relative(leg.bare_foot.R, stood.R), FOOT_SEQUENCE)
     known = np.isfinite(deg).all(-1)

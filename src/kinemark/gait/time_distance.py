@@ -36,7 +36,7 @@ import numpy as np
 from ..data.array_types import Floats
 from ..data.strides import UNITS, FootEvent, Stride
 from ..data.subject_measures import LETTER, Side
-from .segments import Z_UP, unit
+from .segments import Z_UP, along_floor, unit
 from .treadmill import STILL, Floor
 
 OF_BOTH_HEELS = ("step_length", "step_width")
@@ -63,7 +63,6 @@ def strides(
     heel_sd_mm: float = 0.0,
     placement_mm: float = 0.0,
     floor: Floor = STILL,
-    up: Floats = Z_UP,
 ) -> tuple[Stride, ...]:
     """All strides of both sides, in the order of their first foot strike.
 
@@ -71,7 +70,7 @@ def strides(
         events: of the trial, in any order.
         points: (F, 3) mm, with LHEE and RHEE; LTOE and RTOE, where known, tell who walks backwards.
         rate: frames a second. heel_sd_mm: of a heel along an axis, by noise. placement_mm: by where its marker sits.
-        floor: that moves, on a treadmill. up: of the laboratory.
+        floor: that moves, on a treadmill.
     """
     feet = [name for name in ("LHEE", "RHEE", "LTOE", "RTOE") if name in points]
     found = []
@@ -83,7 +82,7 @@ def strides(
         heel, others = (LETTER[one] + "HEE" for one in (side, other))
         heels = _Heels(own_belt[heel], other_belt[heel], other_belt[others])  # (8)
         for begin, end in pairwise(own):
-            one = _stride(begin, end, offs, theirs, heels, rate, heel_sd_mm, floor.sd, up)
+            one = _stride(begin, end, offs, theirs, heels, rate, heel_sd_mm, floor.sd)
             if _goes_backwards(own_belt, begin, end, rate):
                 one = one._replace(values={**one.values, "step_width": -one.values["step_width"]})
             found.append(_misplaced(one, float(np.sqrt(2) * placement_mm)))
@@ -116,7 +115,6 @@ def _stride(
     rate: float,
     heel_sd: float,
     floor_sd: float,
-    up: Floats,
 ) -> Stride:
     """(1) to (6) of one; floor_sd: mm/s of the floor's velocity."""
     off = _only(offs, begin, end)
@@ -138,7 +136,7 @@ def _stride(
         "double_support": (
             first_double[0] + second_double[0], float(np.hypot(first_double[1], second_double[1])),
         ),
-    } | _distances(begin, end, other_strike, heels, rate, heel_sd, floor_sd, up)  # fmt: skip
+    } | _distances(begin, end, other_strike, heels, rate, heel_sd, floor_sd)  # fmt: skip
     value = {name: values[name][0] for name in UNITS}
     sd = {name: values[name][1] if np.isfinite(value[name]) else np.nan for name in UNITS}
     return Stride(begin.side, begin.time, end.time, value, sd)
@@ -152,7 +150,6 @@ def _distances(
     rate: float,
     heel_sd: float,
     floor_sd: float,
-    up: Floats,
 ) -> dict[str, tuple[float, float]]:
     """Lengths and width, mm, and speed of a stride, each with its standard uncertainty; steps where the other foot
     `struck` in between."""
@@ -161,7 +158,7 @@ def _distances(
     other, other_sd = np.full(3, np.nan), np.nan
     if struck is not None:
         other, other_sd = _at(heels.other, struck, rate), _heel_sd(heels.other, struck, rate, heel_sd)
-    path, step = _floor(last - first, up), _floor(_at(heels.own_there, end, rate) - other, up)
+    path, step = along_floor(last - first), along_floor(_at(heels.own_there, end, rate) - other)
     length, along = float(np.linalg.norm(path)), unit(path)
     first_sd, last_sd = (_heel_sd(heels.own, event, rate, heel_sd) for event in (begin, end))
     both_heels, belt = heel_sd * np.sqrt(2), floor_sd * T
@@ -169,7 +166,7 @@ def _distances(
         "stride_length": (length, float(np.linalg.norm([first_sd, last_sd, belt]))),
         "speed": _ratio((length, float(np.hypot(both_heels, belt))), (T, sd_T)),
         "step_length": (float(step @ along), float(np.hypot(last_sd, other_sd))),
-        "step_width": (float(step @ np.cross(up, along)) * (1 if begin.side == "left" else -1), float(both_heels)),
+        "step_width": (float(step @ np.cross(Z_UP, along)) * (1 if begin.side == "left" else -1), float(both_heels)),
     }
 
 
@@ -223,11 +220,6 @@ def _heel_sd(xyz: Floats, event: FootEvent, rate: float, heel_sd: float) -> floa
     around = (_at(xyz, event._replace(time=event.time + shift), rate) for shift in (-event.sd, event.sd))
     moved = np.linalg.norm(np.subtract(*around)) / 2
     return float(np.hypot(heel_sd, np.nan_to_num(moved)))
-
-
-def _floor(v: Floats, up: Floats) -> Floats:
-    """(3) without its vertical part."""
-    return np.asarray(v - (v @ up) * up)
 
 
 def averages(found: Sequence[Stride], side: Side) -> dict[str, tuple[float, float, int]]:

@@ -25,7 +25,7 @@ from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES, Side
 from .backwards import walks_backwards
 from .foot_motion import BELT_MM_S
-from .segments import Z_UP
+from .segments import along_floor
 
 FLAT = (0.25, 0.5)
 """Of a stance, counted from its end where the subject walks backwards, within which the heel stands; chosen: walkers'
@@ -71,20 +71,18 @@ STILL = Floor(np.zeros(3), 0.0)
 """A floor that does not move; by definition."""
 
 
-def floor_velocity(
-    events: Sequence[FootEvent], points: Mapping[str, Floats], *, rate: float, up: Floats = Z_UP
-) -> Floor:
+def floor_velocity(events: Sequence[FootEvent], points: Mapping[str, Floats], *, rate: float) -> Floor:
     """Velocity of the floor by (1) to (4); `STILL` where it is below `BELT_MM_S`, or no stance is seen.
 
     Args:
-        events: of both feet. points: (F, 3) mm, with LHEE and RHEE. rate: frames a second. up: of the laboratory.
+        events: of both feet. points: (F, 3) mm, with LHEE and RHEE. rate: frames a second.
     """
-    flat = (1 - FLAT[1], 1 - FLAT[0]) if walks_backwards(points, up=up) else FLAT
+    flat = (1 - FLAT[1], 1 - FLAT[0]) if walks_backwards(points) else FLAT
 
     def stood(marker: str) -> dict[Side, Floats]:
         seen = [side for side in SIDES if LETTER[side] + marker in points]
         each = {side: [e for e in events if e.side == side] for side in seen}
-        found = {side: _stood(points[LETTER[side] + marker], own, flat, rate, up) for side, own in each.items()}
+        found = {side: _stood(points[LETTER[side] + marker], own, flat, rate) for side, own in each.items()}
         return {side: slopes for side, slopes in found.items() if len(slopes)}
 
     heels = stood("HEE")
@@ -92,7 +90,7 @@ def floor_velocity(
         return STILL
     v = np.mean([np.median(slopes, axis=0) for slopes in heels.values()], axis=0)
     speed = float(np.linalg.norm(v))
-    if speed < max(BELT_MM_S, STAYS * _gone(events, points, rate, up)):
+    if speed < max(BELT_MM_S, STAYS * _gone(events, points, rate)):
         return STILL
     along, toes = ({side: slopes @ v / speed for side, slopes in one.items()} for one in (heels, stood("TOE")))
     if _two_belts(along) and (len(toes) < len(SIDES) or _two_belts(toes)):  # (4)
@@ -111,7 +109,7 @@ def _two_belts(along: Mapping[Side, Floats]) -> bool:
     return abs(left - right) > max(APART * abs(left + right) / 2, 2 * own)
 
 
-def _gone(events: Sequence[FootEvent], points: Mapping[str, Floats], rate: float, up: Floats) -> float:
+def _gone(events: Sequence[FootEvent], points: Mapping[str, Floats], rate: float) -> float:
     """mm/s at which heels go from strike to strike, the median; infinite where none is seen to strike twice."""
     speeds = []
     for side in SIDES:
@@ -120,16 +118,16 @@ def _gone(events: Sequence[FootEvent], points: Mapping[str, Floats], rate: float
         for begin, end in pairwise(times):
             first, last = (heel[min(max(round(t * rate), 0), len(heel) - 1)] for t in (begin, end))
             way = last - first
-            speeds.append(float(np.linalg.norm(way - (way @ up) * up)) / (end - begin))
+            speeds.append(float(np.linalg.norm(along_floor(way))) / (end - begin))
     seen = [speed for speed in speeds if np.isfinite(speed)]
     return float(np.median(seen)) if seen else np.inf
 
 
-def _stood(heel: Floats, own: Sequence[FootEvent], flat: tuple[float, float], rate: float, up: Floats) -> Floats:
+def _stood(heel: Floats, own: Sequence[FootEvent], flat: tuple[float, float], rate: float) -> Floats:
     """(N, 3) mm/s along the floor, of a heel (F, 3) in each stance that is seen, between these shares of it."""
     at = [[begin + share * (end - begin) for share in flat] for begin, end in _stances(own)]
     slopes = [_slope(heel, first, last, rate) for first, last in at]
-    return np.array([v - (v @ up) * up for v in slopes if np.isfinite(v).all()]).reshape(-1, 3)
+    return np.array([along_floor(v) for v in slopes if np.isfinite(v).all()]).reshape(-1, 3)
 
 
 def _stances(own: Sequence[FootEvent]) -> list[tuple[float, float]]:

@@ -28,7 +28,7 @@ from ..data.array_types import Bools, Floats
 from ..data.landmarks import landmarks
 from ..data.subject_measures import LETTER
 from .marker_doubts import TURNED, along, apart, forward_of, nearer_to_other
-from .segments import Z_UP, unit
+from .segments import Z_UP, along_floor, unit
 
 WORDS = {
     "FHD": ("fhd", "fronthead", "headfront"),
@@ -68,19 +68,19 @@ LONGER = 1.5
 """Of (5); chosen: forearms are 0.8 of upper arms (Drillis and Contini 1966), and markers sit beside the joints."""
 
 
-def upper_body_doubts(points: Mapping[str, Floats], *, up: Floats = Z_UP) -> Iterator[tuple[str, ...]]:
+def upper_body_doubts(points: Mapping[str, Floats]) -> Iterator[tuple[str, ...]]:
     """Names of two markers each that cannot be where they are; nothing of markers that are not there.
 
     Args:
-        points: (F, 3) mm by names. up: of the laboratory.
+        points: (F, 3) mm by names.
     """
     own = trunk_and_arm_names(tuple(points))
     known = {name: points[one] for name, one in own.items()}
-    forward = forward_of(points, up)
+    forward = forward_of(points)
     if forward is None:
         return
     told = set[str]()
-    for two, by in _exchanged(known, _stands(points, known, up), np.cross(up, forward), up):
+    for two, by in _exchanged(known, _stands(points, known), np.cross(Z_UP, forward)):
         if told.isdisjoint((*two, *by)):  # what is wrong above makes what is below it look wrong
             told |= {*two}
             yield tuple(own[name] for name in two)
@@ -103,30 +103,30 @@ Told = tuple[tuple[str, str], tuple[str, ...]]
 """Two markers that are exchanged, and others by which that is told."""
 
 
-def _stands(points: Mapping[str, Floats], known: Mapping[str, Floats], up: Floats) -> Bools:
+def _stands(points: Mapping[str, Floats], known: Mapping[str, Floats]) -> Bools:
     """(F) whether the trunk is above the pelvis rather than beside it; yes where it has no markers."""
     trunk = [known[name] for name in TRUNK if name in known]
     if not trunk:
         return np.ones(len(points["LASI"]), bool)
     v = sum(trunk) / len(trunk) - (points["LASI"] + points["RASI"]) / 2
-    return np.asarray(v @ up > np.linalg.norm(v - (v @ up)[:, None] * up, axis=1))
+    return np.asarray(v @ Z_UP > np.linalg.norm(along_floor(v), axis=1))
 
 
-def _left_of_trunk(known: Mapping[str, Floats], left: Floats, up: Floats) -> Floats:
+def _left_of_trunk(known: Mapping[str, Floats], left: Floats) -> Floats:
     """(F, 3) l by the shoulders, whatever side they are called; as that of the pelvis, `left`, without them."""
     if not {*SHOULDERS} <= set(known):
         return left
     across = known["LSHO"] - known["RSHO"]
-    across = unit(across - (across @ up)[:, None] * up)
+    across = unit(along_floor(across))
     return across * np.sign(along(across, left))
 
 
-def _exchanged(known: Mapping[str, Floats], stands: Bools, left: Floats, up: Floats) -> Iterator[Told]:
+def _exchanged(known: Mapping[str, Floats], stands: Bools, left: Floats) -> Iterator[Told]:
     """By (1) to (5), from the trunk on."""
-    by = _left_of_trunk(known, left, up)
+    by = _left_of_trunk(known, left)
     head = [("L" + name, "R" + name) for name in ACROSS]
-    above = np.broadcast_to(up, left.shape)
-    for rows, way in (((SHOULDERS,), left), (head, by), (IN_FRONT, np.cross(by, up)), (ABOVE, above)):
+    above = np.broadcast_to(Z_UP, left.shape)
+    for rows, way in (((SHOULDERS,), left), (head, by), (IN_FRONT, np.cross(by, Z_UP)), (ABOVE, above)):
         yield from ((two, ()) for two in rows if _turned(known, *two, way, stands))
     yield from _exchanged_in_arms(known)
 

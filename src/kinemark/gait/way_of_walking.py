@@ -41,29 +41,29 @@ STEP_POINTS = 40
 """Of (3) in a step; chosen."""
 
 
-def way_of_walking(events: Sequence[FootEvent], points: Mapping[str, Floats], *, rate: float, up: Floats = Z_UP) -> Way:
+def way_of_walking(events: Sequence[FootEvent], points: Mapping[str, Floats], *, rate: float) -> Way:
     """How the subject walks; "level" where too few events tell.
 
     Args:
-        events: of both feet. points: (F, 3) mm by the model's names. rate: frames a second. up: of the laboratory.
+        events: of both feet. points: (F, 3) mm by the model's names. rate: frames a second.
     """
     flights = [_flies(events, event) for event in events if not event.strike]
     known = [each for each in flights if each is not None]
     if known and 2 * sum(known) >= len(known):  # (1)
         return "running"
-    heights = [_height(points[LETTER[e.side] + "HEE"] @ up, e.time * rate) for e in events if e.strike]
+    heights = [_height(points[LETTER[e.side] + "HEE"] @ Z_UP, e.time * rate) for e in events if e.strike]
     rises = [abs(b - a) for a, b in pairwise(h for h in heights if np.isfinite(h))]
     if rises and float(np.median(rises)) > RISE_MM:  # (2)
         return "stairs"
-    if _springs(events, points, rate, up):  # (3)
+    if _springs(events, points, rate):  # (3)
         return "running"
-    behind = {part.backwards for part in walked_parts(points, up=up)} if known else {False}
+    behind = {part.backwards for part in walked_parts(points)} if known else {False}
     return "to and fro" if len(behind) > 1 else "backward" if True in behind else "level"
 
 
-def _springs(events: Sequence[FootEvent], points: Mapping[str, Floats], rate: float, up: Floats) -> bool:
+def _springs(events: Sequence[FootEvent], points: Mapping[str, Floats], rate: float) -> bool:
     """Whether the pelvis is highest about the strikes (3), in most of the steps."""
-    markers = [points[name] @ up for name in PELVIS if name in points]
+    markers = [points[name] @ Z_UP for name in PELVIS if name in points]
     strikes = sorted(event.time for event in events if event.strike)
     if not markers or len(strikes) < 2:
         return False

@@ -160,13 +160,13 @@ LOST_DEG = 90.0
 before tells nothing; chosen: swinging through lock, a limb goes on by some 10° an angle."""
 
 
-def followed(deg: Floats, locked: Bools, sequence: str, *, settled: bool = True) -> Floats:
+def followed(deg: Floats, locked: Bools, sequence: str) -> Floats:
     """Of the triples (4) of each frame (F, 3), turned by whole turns, the one nearest to the frame before.
 
     The first frame that is known and not locked has principal values; frames before it are followed backwards. Where a
     stretch in lock or a gap ends and neither triple goes on with what was before it, the principal one counts. In
     sequences whose first axis comes again the sign of the middle angle is a convention; there the other triple is taken
-    of all frames where most that are not locked would else have the other sign, `settled`.
+    of all frames where most that are not locked would else have the other sign.
     """
     half = np.array([180.0, 180.0, 180.0]) if sequence[0] != sequence[2] else np.array([180.0, 0.0, 180.0])
     both = np.stack([deg, half + deg * [1, -1, 1]])  # (4)
@@ -177,7 +177,7 @@ def followed(deg: Floats, locked: Bools, sequence: str, *, settled: bool = True)
     out, start = deg.copy(), int(free[0] if len(free) else known[0])
     for frames in (known[known > start], known[known < start][::-1]):
         _follow(out, both, frames, locked, start)
-    if settled and sequence[0] == sequence[2] and (out[free, 1] * deg[free, 1] < 0).sum() > len(free) / 2:
+    if sequence[0] == sequence[2] and (out[free, 1] * deg[free, 1] < 0).sum() > len(free) / 2:
         return half + out * [1, -1, 1] - 360 * np.round((half + out * [1, -1, 1])[start] / 360)
     return out
 

@@ -13,38 +13,29 @@ from .labelling import Labelling
 from .labels import Labels, named
 from .learn_set import learn_marker_set
 from .pooled import template_of_subjects
-from .score import LabelScore, Reliability, reliability, score_labels
-from .shredded import Change, Shredded, shredded
 from .stage import LABEL
 from .subject_template import Grown, SubjectTemplate, TemplateSource
 from .subjects import SubjectLabels, label_subjects
-from .switch_score import SwitchScore, cut_truth, score_switches
 from .switching import CutLabels, Switch, label_switching
 from .template import Template, learn_template
 
 __all__ = [
     "LABEL",
-    "Change",
     "CutLabels",
     "Distances",
     "Exchanged",
     "Grown",
-    "LabelScore",
     "Labelling",
     "Labels",
     "Located",
     "Mislabelled",
-    "Reliability",
-    "Shredded",
     "SideSwap",
     "SubjectLabels",
     "SubjectTemplate",
     "Switch",
-    "SwitchScore",
     "Template",
     "TemplateSource",
     "computed_points",
-    "cut_truth",
     "figure_template",
     "find_exchanges",
     "find_mislabelled",
@@ -56,10 +47,6 @@ __all__ = [
     "learn_marker_set",
     "learn_template",
     "named",
-    "reliability",
-    "score_labels",
-    "score_switches",
-    "shredded",
     "sides_by_name",
     "static_template",
     "template_of_subjects",

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..data.array_types import Floats, Ints
+from ..numerics.vectors import lengths
 from .evidence import PairScore, Single
 from .stretches import Stretches
 from .sweeps import places
@@ -46,7 +47,7 @@ def against(
 def _speaking(xyz: Single, y: Single, a: int, b: int, pairs: PairScore) -> Floats:
     """(L) nats for b rather than a, by each neighbour; 0 by those two themselves and by those never seen with it."""
     rows = np.flatnonzero(np.isfinite(xyz[:, 0]))
-    d = np.sqrt(((y[rows] - xyz[rows, None]) ** 2).sum(-1))
+    d = lengths(y[rows] - xyz[rows, None])
     every = np.arange(y.shape[1])
     own = pairs.at(d, np.array(a), every)
     other = pairs.at(d, np.array(b), every) if b >= 0 else np.zeros_like(own)

@@ -20,6 +20,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
+from ..numerics.evenly import evenly_rounded
 from .chains import rechained
 from .evidence import PairScore, Single
 from .on_body import on_body
@@ -101,7 +102,7 @@ def markers_of(stretches: Stretches, label: Ints, L: int) -> Markers:
     kept, of = np.unique(whose[whose >= 0], return_inverse=True)
     part = np.full(len(label), -1)
     part[whose >= 0] = of
-    some = np.unique(np.linspace(0, len(stretches.frame) - 1, min(len(stretches.frame), FRAMES)).round().astype(int))
+    some = evenly_rounded(len(stretches.frame), FRAMES)
     xyz, now = places(stretches, part, len(kept))[some], np.where(kept < L, kept, -1)
     there = on_body(xyz, now >= 0)
     turn = np.where(there, np.cumsum(there) - 1, -1)

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.vectors import lengths
 from .evidence import OF_SIZE, Single
 from .template import Template
 
@@ -76,7 +77,7 @@ def _differences(y: Single, template: Template, other: Ints) -> _Differences:
     D, L = template.distance, len(template)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of labels that are never seen together
-        d = np.nanmean(np.sqrt(((y[:, :, None] - y[:, None]) ** 2).sum(-1)), axis=0)
+        d = np.nanmean(lengths(y[:, :, None] - y[:, None]), axis=0)
     a, b = np.triu_indices(L, 1)
     A, B = np.minimum(other[a], other[b]), np.maximum(other[a], other[b])
     known = template.keeps & np.isfinite(d)

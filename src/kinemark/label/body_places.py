@@ -24,6 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.evenly import evenly_rounded
 from .template import Template
 
 NEIGHBOURS = 6
@@ -135,7 +136,7 @@ def _median(values: Floats, n: Ints) -> Floats:
 
 def _spread_frames(frames: Ints) -> Ints:
     """At most LEARNT_FRAMES of some frames."""
-    at = np.linspace(0, len(frames) - 1, min(len(frames), LEARNT_FRAMES)).round().astype(int)
+    at = evenly_rounded(len(frames), LEARNT_FRAMES)
     return frames[np.unique(at)] if len(frames) else frames
 
 

@@ -28,7 +28,6 @@ from ..data import MarkerTrajectory, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from .evidence import PairScore
 from .margin import BETA_PIECE, logistic, margins, track_logit
-from .shredded import Shredded, shredded
 from .stretches import Stretches, stretches_of
 from .sweeps import outwards, sweep
 from .template import Template
@@ -45,6 +44,13 @@ UNKNOWN, NOT_KNOWN = "?", -2
 """What the truth calls a track whose name is not sure, and its number; by definition."""
 SWEEPS = 2
 """After the first naming; chosen, most trials need no more."""
+
+
+class Pieces(NamedTuple):
+    """Tracks (T) that markers were cut into, and the marker of each (T): None for none, `UNKNOWN` where not known."""
+
+    tracks: Trajectories
+    truth: Sequence[str | None]
 
 
 class Cases(NamedTuple):
@@ -87,9 +93,23 @@ def calibrated_shift(
     rest = np.setdiff1d(np.flatnonzero(seen[:, first:stop].any(1)), confident)
     others = {f"+{t}": None if label[t] < 0 else UNKNOWN for t in rest.tolist()}
     paths = (MarkerTrajectory.measured(f"+{t}", trajectories.paths[t].xyz[first:stop]) for t in rest.tolist())
-    parts = shredded(replace(trial, paths=(*trial.paths, *paths)), pieces)
-    truth = tuple(others.get(str(name), name) for name in parts.truth)
+    parts = _cut(replace(trial, paths=(*trial.paths, *paths)), pieces)
+    truth = [others.get(str(name), name) for name in parts.truth]
     return shift_of(cases_of(parts._replace(truth=truth), template, pairs, least_fit, nameless, piece))
+
+
+def _cut(trial: Trajectories, n: int) -> Pieces:
+    """Each marker cut into n pieces at random frames, and all shuffled."""
+    rng, F = np.random.default_rng(0), trial.n_frames
+    parts = []
+    for path in trial:
+        at = np.sort(rng.choice(np.arange(1, F), n - 1, replace=False)) if n > 1 else ()
+        part = np.searchsorted(at, np.arange(F), side="right")
+        seen = np.unique(part[np.isfinite(path.xyz[:, 0])]).tolist()
+        parts += [(path.name, np.where((part == k)[:, None], path.xyz, np.nan)) for k in seen]
+    parts = [parts[i] for i in rng.permutation(len(parts))]
+    paths = tuple(MarkerTrajectory.measured(f"*{k}", xyz) for k, (_, xyz) in enumerate(parts, 1))
+    return Pieces(Trajectories(paths, trial.rate), [name for name, _ in parts])
 
 
 def _window(seen: Bools, unsure: Bools) -> tuple[int, int]:
@@ -114,7 +134,7 @@ def _joined(
 
 
 def cases_of(
-    parts: Shredded,
+    parts: Pieces,
     template: Template,
     pairs: PairScore,
     least_fit: float,

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from ..data import make_finding
 from ..data.array_types import Floats, Ints
 from ..data.finding import Finding
+from ..numerics.evenly import evenly_rounded
 from .anatomy import Anatomy
 from .asymmetry import sides_are_turned
 from .evidence import WRONG_HAND, PairScore, Single, hands
@@ -119,7 +120,7 @@ def _mirrored_world(stretches: Stretches, label: Ints, template: Template, pairs
 def _some_places(stretches: Stretches, label: Ints, L: int) -> Single:
     """(K, L, 3) of labels, in the frames that are compared."""
     y = places(stretches, label, L)
-    return y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
+    return y[evenly_rounded(len(y), FRAMES)]
 
 
 def _gain(exchanger: Exchanger, y: Single, turn: Ints) -> float:

@@ -34,6 +34,7 @@ import numpy as np
 
 from ..data import Trajectories
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.evenly import evenly_rounded
 from .evidence import Single, distances
 from .labels import Labels
 from .shape import Shapes
@@ -136,7 +137,7 @@ def beside_places(stretches: Stretches, label: Ints, template: Template) -> Besi
 
 def _off_by(y: Single, template: Template) -> tuple[Floats, Floats]:
     """(L, L) what mean distances of places (K, L, 3) are off by, NaN where two are never seen together, and s, mm."""
-    some = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
+    some = y[evenly_rounded(len(y), FRAMES)]
     d = np.stack([distances(xyz, xyz) for xyz in some]).astype(float)
     seen = np.isfinite(d)
     n = np.maximum(seen.sum(0), 1)

@@ -10,6 +10,7 @@ import numpy as np
 from ..data import Trajectories
 from ..data.array_types import Floats, Ints
 from ..data.method import ONE, Method, parameter
+from ..numerics.vectors import lengths
 from .against import against
 from .beside_its_place import beside_their_places
 from .calibration import calibrated_shift
@@ -116,7 +117,7 @@ def _of_another(trajectories: Trajectories, template: Template, found: Labels) -
     y = places(stretches, label, len(template))
     y = y[:: max(1, len(y) // FRAMES)]
     with np.errstate(invalid="ignore", divide="ignore"):
-        ratio = np.sqrt(((y[:, :, None] - y[:, None]) ** 2).sum(-1)) / template.distance
+        ratio = lengths(y[:, :, None] - y[:, None]) / template.distance
     return float(np.clip(np.nanmedian(ratio[np.isfinite(ratio)]), *SCALES))
 
 

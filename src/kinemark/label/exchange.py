@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Bools, Ints
+from ..numerics.evenly import evenly_rounded
 from ..numerics.vectors import lengths
 from .anatomy import Anatomy
 from .evidence import WRONG_HAND, PairScore, Single
@@ -176,7 +177,7 @@ def best_moves(y: Single, exchanger: Exchanger, least: float, anatomy: Anatomy |
         anatomy: tells of moves of which distances and quadruples do not: heel and toe of a foot without its ankle.
     """
     L = y.shape[1]
-    some = np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int)
+    some = evenly_rounded(len(y), FRAMES)
     y = y[some]
     new = np.arange(L)
     for _ in range(MOVES):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.evenly import evenly_rounded
 from .evidence import WIDER, PairScore, Single, distances
 from .stretches import Stretches
 from .sweeps import places
@@ -47,7 +48,7 @@ def held(stretches: Stretches, label: Ints, pairs: PairScore, *, absent_too: boo
     y = places(stretches, label, len(pairs.distance))
     absent = ~np.isfinite(y[..., 0]).any(0) & absent_too
     holds = total = 0
-    for k in np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int)):
+    for k in evenly_rounded(len(y), FRAMES):
         off = np.abs(distances(y[k], y[k]) - pairs.distance) * pairs.inverse
         own = np.isfinite(y[k, :, 0])
         holds += int((np.take_along_axis(off, near, axis=1)[own] < WITHIN).sum())

@@ -23,6 +23,7 @@ from ..data import KinemarkError, MarkerSet, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from ..data.marker_set import Place
 from ..data.marker_sides import sides_by_name
+from ..numerics.evenly import evenly_rounded
 from .side_pairs import sides_by_shape
 from .template import names_in
 
@@ -105,7 +106,7 @@ def learn_marker_set(trial: Trajectories, *, names: Sequence[str] | None = None,
 
 def _sampled(trial: Trajectories, names: tuple[str, ...]) -> Floats:
     """(M, K, 3) places about one of them in some frames."""
-    rows = np.unique(np.linspace(0, trial.n_frames - 1, min(trial.n_frames, FRAMES)).round().astype(int))
+    rows = evenly_rounded(trial.n_frames, FRAMES)
     xyz = np.stack([trial[name].xyz[rows] for name in names])
     return np.asarray(xyz - xyz[np.isfinite(xyz).all(-1)][0])
 

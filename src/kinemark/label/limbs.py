@@ -21,6 +21,7 @@ import scipy
 
 from ..data.array_types import Bools, Floats, Ints
 from ..data.marker_sides import sides_by_name
+from ..numerics.evenly import evenly_rounded
 from ..numerics.vectors import lengths
 from .anatomy import PROOF, Anatomy
 from .evidence import PairScore, Single, hands
@@ -79,7 +80,7 @@ def near_turns(y: Single, template: Template, pairs: PairScore, stated: Ints) ->
     groups = [group for group in limbs(template, sides) if LIMB <= len(group) < len(sides)]
     if not groups:
         return []
-    y = _some(y)
+    y = y[evenly_rounded(len(y), FRAMES)]
     moves = [exchange_of(template, group) for group in groups]
     turns = np.repeat(np.arange(len(template))[None], len(moves), axis=0)
     for turn, (was, to) in zip(turns, moves, strict=True):
@@ -116,13 +117,9 @@ def gain_by_the_rest(y: Single, pairs: PairScore, move: Move) -> float:
 def score_with_sides(stretches: Stretches, label: Ints, template: Template, pairs: PairScore) -> float:
     """Nats a frame of all pairs, of quadruples and of what any body shows of its sides (`anatomy`)."""
     score, _ = total_score(stretches, label, pairs)
-    y = _some(places(stretches, label, len(template)))
+    y = places(stretches, label, len(template))
+    y = y[evenly_rounded(len(y), FRAMES)]
     score += PROOF * Anatomy.of(template.names).agreement(y)
     if pairs.hands is None:  # otherwise the score has them
         score += sum(float(hands(xyz, template.handed, template.sign).sum()) for xyz in y) / max(len(y), 1)
     return score
-
-
-def _some(y: Single) -> Single:
-    """Of K frames those that are looked at."""
-    return y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]

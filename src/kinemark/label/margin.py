@@ -62,6 +62,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.evenly import evenly_rounded
 from .anatomy import Anatomy
 from .claims import left_over, lost_to_claims
 from .evidence import PairScore, Single, frame_fit
@@ -185,7 +186,7 @@ def margins(
         nats = evidence(stretches, label, after)
         share = _share(nats, stretches, label, after)
         own_fit, _ = _of_labels(stretches, t, a, share, L)
-    some = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
+    some = y[evenly_rounded(len(y), FRAMES)]
     lost = _exchanges(some, template, pairs, stretches.fixed) if exchanges else np.zeros(L)
     rival = lost_to_rivals(stretches, label, template, pairs) if exchanges else np.zeros(L)
     lost = np.minimum(lost, lost_to_claims(stretches, label, given)) if exchanges else lost

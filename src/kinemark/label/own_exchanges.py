@@ -24,6 +24,7 @@ import numpy as np
 
 from ..data import Trajectories
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.evenly import evenly_rounded
 from ..numerics.vectors import lengths
 from .check import Exchanged
 from .turned_names import names_turn
@@ -130,7 +131,7 @@ def without_exchanged(trial: Trajectories, exchanged: Sequence[Exchanged]) -> Tr
 def _looked_at(trials: Sequence[Trajectories], names: Sequence[str]) -> _Looked:
     """Frames of all trials, evenly spread."""
     n = np.array([one.n_frames for one in trials])
-    every = np.unique(np.linspace(0, n.sum() - 1, min(FRAMES, int(n.sum()))).round().astype(np.int64))
+    every = evenly_rounded(int(n.sum()), FRAMES)
     trial = np.searchsorted(np.cumsum(n), every, side="right")
     frame = every - (np.cumsum(n) - n)[trial]
     full = [np.full((one.n_frames, len(names), 3), np.nan) for one in trials]

@@ -31,6 +31,7 @@ from ..data import make_finding
 from ..data.array_types import Bools, Floats, Ints
 from ..data.finding import Finding
 from ..data.marker_sides import sides_by_name
+from ..numerics.evenly import evenly_rounded
 from ..numerics.vectors import lengths
 from .anatomy import Anatomy
 from .asymmetry import TURNED
@@ -88,7 +89,8 @@ def no_images(label: Ints) -> OwnImages:
 def own_images(stretches: Stretches, label: Ints, template: Template, pairs: PairScore) -> OwnImages:
     """What a trial's labels (T), −1 for none, could be at once; those that were stated stay what they are."""
     every = np.arange(len(template))
-    y = _some(places(stretches, label, len(template)))
+    y = places(stretches, label, len(template))
+    y = y[evenly_rounded(len(y), FRAMES)]
     least = UNDECIDED if sides_by_name(template.names) else BY_SHAPE
     turns = images(_mean_distances(y), pairs, stretches.fixed[stretches.fixed >= 0], 2 * least)
     gains = _gains(y, turns, template, pairs)
@@ -229,8 +231,3 @@ def _mean_distances(y: Single) -> Single:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         return np.asarray(np.nanmean(lengths(y[:, :, None] - y[:, None]), axis=0))
-
-
-def _some(y: Single) -> Single:
-    """(K, L, 3) in the frames that are compared."""
-    return y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]

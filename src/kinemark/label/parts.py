@@ -25,6 +25,7 @@ import scipy
 
 from ..data import Trajectories
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.evenly import evenly_rounded
 from .decided_sides import UNDECIDED
 from .evidence import WRONG_HAND, PairScore, hands
 from .labels import Labels, State
@@ -145,7 +146,7 @@ def _score(tracks: Trajectories, by: Labels, part: Template, size: float) -> flo
     stretches, pairs = stretches_of(tracks, size), PairScore.of_template(part)
     label = np.array([-1 if one is None else part.names.index(one) for one in by.names])
     y = places(stretches, label, len(part))
-    y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
+    y = y[evenly_rounded(len(y), FRAMES)]
     turned = np.array([hands(xyz, part.handed, part.sign) < 0 for xyz in y]).reshape(len(y), -1)
     seen = np.isfinite(y[:, part.handed, 0]).all(2)
     if (turned & seen).sum() > seen.sum() / 2:

@@ -15,6 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..data.array_types import Floats
+from ..numerics.evenly import evenly_rounded
+from ..numerics.vectors import lengths
 from .evidence import OF_SIZE, RELATIVE, WIDER, Single
 from .stretches import GRID_HZ
 from .template import Template
@@ -33,9 +35,9 @@ LEAST_SHARE = 0.6
 
 def pooled(template: Template, y: Single) -> Template:
     """The template after the trial's labelled places y (K, L, 3)."""
-    some = np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))
+    some = evenly_rounded(len(y), FRAMES)
     xyz = y[some]
-    d = np.sqrt(((xyz[:, :, None] - xyz[:, None]) ** 2).sum(-1)).astype(float)
+    d = lengths(xyz[:, :, None] - xyz[:, None]).astype(float)
     D, S, doubt = template.distance, template.spread, np.asarray(template.doubt)
     floor = np.hypot(RELATIVE * np.nan_to_num(D), OF_SIZE * template.size)
     possible = np.abs(d - D) < POSSIBLE * np.sqrt((WIDER * S) ** 2 + doubt**2 + floor**2)

@@ -25,6 +25,7 @@ from ..data import KinemarkError, Trajectories, make_finding
 from ..data.array_types import Bools, Floats, Ints
 from ..data.finding import Finding
 from ..data.nearest_word import some_names
+from ..numerics.evenly import evenly_rounded
 from .template import Template, between_subjects
 
 SUBJECTS = 2.0
@@ -136,7 +137,7 @@ def _turned(own: Template, trial: Trajectories) -> Floats:
     for k, name in enumerate(own.names):
         if name in trial.names:
             xyz[k] = trial[name].xyz
-    rows = np.unique(np.linspace(0, trial.n_frames - 1, min(trial.n_frames, 100)).round().astype(int))
+    rows = evenly_rounded(trial.n_frames, 100)
     xyz = xyz[:, rows]
     a = xyz[own.handed[:, 0]]
     u, v, w = (xyz[own.handed[:, k]] - a for k in (1, 2, 3))

@@ -19,6 +19,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
+from ..numerics.evenly import evenly_rounded
 from .evidence import PairScore, Single, distances
 from .stretches import FREE, Stretches
 
@@ -95,10 +96,10 @@ class Decided:
             both = seen @ taken
         return both == 0
 
-    def assign(self, stretches: Stretches, tracks: Ints, score: Floats, least: float = 0.0) -> None:
-        """Tracks (n) seen together take free labels, with the greatest sum of scores (n, L) above `least`."""
+    def assign(self, stretches: Stretches, tracks: Ints, score: Floats) -> None:
+        """Tracks (n) seen together take free labels, with the greatest sum of scores (n, L) above 0."""
         open_ = self.free(stretches, tracks) & (stretches.fixed[tracks] == FREE)[:, None]
-        gain = np.where(open_, np.maximum(score - least, 0.0), 0.0)
+        gain = np.where(open_, np.maximum(score, 0.0), 0.0)
         rows, columns = scipy.optimize.linear_sum_assignment(-gain)
         good = gain[rows, columns] > 0
         self.give(stretches, tracks[rows[good]], columns[good])
@@ -186,7 +187,7 @@ def total_score(stretches: Stretches, label: Ints, pairs: PairScore) -> tuple[fl
     """Nats a frame of all pairs of labelled tracks, and what the template expects of as many."""
     L = len(pairs.distance)
     labelled, every = places(stretches, label, L), np.arange(L)
-    some = np.unique(np.linspace(0, len(labelled) - 1, min(len(labelled), 40)).round().astype(int))
+    some = evenly_rounded(len(labelled), 40)
     total = expected = 0.0
     for y in labelled[some]:
         seen = np.isfinite(y[:, 0])

@@ -31,6 +31,7 @@ from ..data.array_types import Bools, Floats
 from ..data.arrays import check_positive, column, set_columns
 from ..data.computed_points import computed_points
 from ..data.short_repr import ShortRepr
+from ..numerics.evenly import evenly_rounded
 from ..numerics.vectors import lengths
 from .own_fit import own_fit
 
@@ -113,19 +114,17 @@ class Template(ShortRepr):
         """(L, L) whether the distance of two labels is known to keep; not of a label with itself."""
         return np.asarray(self.spread < KEEPS * self.distance)  # NaN is not, nor 0
 
-    def scaled(self, ratio: float, *, relative_spread: float = 0.0) -> Template:
-        """Of a subject `ratio` times as tall; each distance uncertain by a further share of itself.
+    def scaled(self, ratio: float) -> Template:
+        """Of a subject `ratio` times as tall.
 
         Raises:
-            ValueError: the ratio is not above 0, or the share below 0.
+            ValueError: the ratio is not above 0.
         """
         check_positive(ratio=ratio)
-        if not 0 <= relative_spread < np.inf:
-            raise ValueError(f"relative_spread is {relative_spread}, wanted 0 or more")
-        D = self.distance * ratio
-        spread = np.hypot(self.spread * ratio, relative_spread * D)
-        doubt = np.asarray(self.doubt) * ratio
-        return replace(self, distance=D, spread=spread, short_spread=self.short_spread * ratio, doubt=doubt)
+        D, spread, short_spread, doubt = (
+            np.asarray(each) * ratio for each in (self.distance, self.spread, self.short_spread, self.doubt)
+        )
+        return replace(self, distance=D, spread=spread, short_spread=short_spread, doubt=doubt)
 
     def of_another(self, ratio: float) -> Template:
         """Of another subject, `ratio` times as tall, whose proportions and places of markers differ: (3).
@@ -202,7 +201,7 @@ def names_in(trials: Sequence[Trajectories]) -> tuple[str, ...]:
 def _sampled(trial: Trajectories, names: tuple[str, ...]) -> tuple[Floats, float]:
     """(L, K, 3) places about one of them in some frames, and how many frames a second these are."""
     F = trial.n_frames
-    rows = np.unique(np.linspace(0, F - 1, min(F, FRAMES)).round().astype(int))
+    rows = evenly_rounded(F, FRAMES)
     xyz = np.full((len(names), len(rows), 3), np.nan)
     for path in trial:
         if path.name in names:

@@ -19,6 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.evenly import evenly_rounded
 from ..numerics.vectors import lengths
 from .evidence import PairScore, Single
 from .exchange import FRAMES, Exchanger
@@ -69,7 +70,7 @@ def at_most_tellers(p: Floats, stretches: Stretches, label: Ints, template: Temp
     of_label, most = np.zeros(len(template)), np.ones(len(template))
     np.maximum.at(of_label, label[label >= 0], p[label >= 0])
     y = places(stretches, label, len(template))
-    y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
+    y = y[evenly_rounded(len(y), FRAMES)]
     for two, nats in zip(own, said_by_each(y, pairs, own), strict=True):
         if nats.max() > 0:
             surest = of_label[nats >= min(SAYS_MUCH, nats.max())].max()

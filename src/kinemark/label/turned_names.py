@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.evenly import evenly_rounded
 from ..numerics.vectors import lengths
 
 TURNED, SAME = 0.1, 0.5
@@ -38,7 +39,7 @@ def names_turn(xyz: Floats, two: tuple[int, int], between: tuple[int, int], rate
     seen = np.flatnonzero(np.isfinite(xyz[:, two, 0]).all(1))
     if len(seen) < 2:
         return False
-    usual = seen[np.unique(np.linspace(0, len(seen) - 1, min(len(seen), USUAL)).round().astype(int))]
+    usual = seen[evenly_rounded(len(seen), USUAL)]
     near = _near(xyz[usual], two)
     size = float(np.nanmedian(_mean(_apart(xyz, two, near, usual) ** 2)))
     most = int(AT_ONCE_S * rate)

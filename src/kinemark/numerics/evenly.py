@@ -12,6 +12,11 @@ def evenly(n: int, most: int) -> Ints:
     return np.linspace(0, n - 1, max(min(n, most), 0)).astype(np.int64)
 
 
+def evenly_rounded(n: int, most: int) -> Ints:
+    """As `evenly`, each at the place that is nearest; `evenly` has the one before."""
+    return np.linspace(0, n - 1, max(min(n, most), 0)).round().astype(np.int64)
+
+
 def scattered(n: int, most: int) -> Ints:
     """At most `most` of the places 0 … n − 1, rising, one in each of as many equal parts, at none of a period.
 

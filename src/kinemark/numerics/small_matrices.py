@@ -37,22 +37,3 @@ def inverse3(A: Floats) -> Floats:
 def solve3(A: Floats, b: Floats) -> Floats:
     """x (…, 3) of A x = b for many symmetric 3 × 3 systems; NaN where singular."""
     return np.asarray((inverse3(A) @ b[..., None])[..., 0])
-
-
-def solve3_entries(A: list[Floats], b: list[Floats], *, singular: float = SINGULAR) -> Floats:
-    """x (3, …) of many symmetric 3 × 3 systems A x = b, given entry by entry; NaN where singular.
-
-    Args:
-        A: xx, xy, xz, yy, yz and zz, (…) each.
-        b: x, y and z, (…) each.
-        singular: the share of the product of the diagonal below which a determinant counts as zero.
-    """
-    xx, xy, xz, yy, yz, zz = A
-    first, second, third = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
-    det = xx * first + xy * second + xz * third
-    det = np.where(np.abs(det) > singular * np.abs(xx * yy * zz), det, np.nan)
-    cross = xy * xz - xx * yz
-    x = first * b[0] + second * b[1] + third * b[2]
-    y = second * b[0] + (xx * zz - xz * xz) * b[1] + cross * b[2]
-    z = third * b[0] + cross * b[1] + (xx * yy - xy * xy) * b[2]
-    return np.asarray(np.stack([x, y, z]) / det)

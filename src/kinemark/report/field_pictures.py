@@ -57,27 +57,11 @@ class FieldPicture(NamedTuple):
         return len(self.blobs.validity) - self.valid
 
 
-def enclosing(blobs: Sequence[Blobs], size: tuple[int, int], margin: int) -> tuple[int, int, int, int]:
-    """The region of images of `size` (width, height) px that encloses all valid detections, and so many px more.
-
-    Raises:
-        ValueError: there is no valid detection.
-    """
-    valid = [one.validity == Validity.VALID for one in blobs]
-    uv = np.concatenate([one.uv[v] for one, v in zip(blobs, valid, strict=True)])
-    if not len(uv):
-        raise ValueError("there is no valid detection: nothing can be enclosed")
-    half = np.concatenate([np.stack([b.width, b.height], 1)[v] / 2 for b, v in zip(blobs, valid, strict=True)])
-    low = np.maximum(np.floor((uv - half).min(0)) - margin, 0).astype(int)
-    high = np.minimum(np.ceil((uv + half).max(0)) + margin, np.array(size) - 1).astype(int)
-    return int(low[0]), int(low[1]), int(high[0]), int(high[1])
-
-
 def field_svg(picture: FieldPicture) -> Markup:
     """The picture as SVG: the image, a frame about each spot in its kind's colour, the reason of invalid ones."""
     height, width = picture.image.shape
     u0, v0, u1, v1 = picture.region or (0, 0, width - 1, height - 1)
-    wide, high = _shown_size(picture)
+    wide, high = shown_size(picture)
     seen = np.ascontiguousarray(picture.image[v0 : v1 + 1, u0 : u1 + 1])
     data = base64.b64encode(png_bytes(seen)).decode()
     shown = (picture.blobs.uv >= (u0 - 0.5, v0 - 0.5)) & (picture.blobs.uv <= (u1 + 0.5, v1 + 0.5))
@@ -141,26 +125,7 @@ def write_fields_page(path: Path | str, rows: Sequence[Sequence[FieldPicture]], 
     write_text(path, render("fields.html", library=None, **page))
 
 
-def stacked_svg(pictures: Sequence[FieldPicture], captions: Sequence[str]) -> str:
-    """Pictures one below another as one SVG of its own, each with its caption above."""
-    sizes = [_shown_size(picture) for picture in pictures]
-    wide = max(size[0] for size in sizes)
-    letters, y, parts = wide * LETTERS, 0.0, Markup("")
-    for picture, caption, (width, height) in zip(pictures, captions, sizes, strict=True):
-        parts += Markup('<text x="0" y="{:.1f}" font-size="{:.1f}">{}</text>').format(
-            y + 1.2 * letters, letters, caption
-        )
-        parts += Markup('<svg y="{:.1f}" width="{}" height="{}">{}</svg>').format(
-            y + 1.6 * letters, width, height, field_svg(picture)
-        )
-        y += height + 2.2 * letters
-    return Markup(
-        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {} {:.0f}" font-family="sans-serif">'
-        '<rect width="100%" height="100%" fill="#fff"/>{}</svg>\n'
-    ).format(wide, y, parts)
-
-
-def _shown_size(picture: FieldPicture) -> tuple[int, int]:
+def shown_size(picture: FieldPicture) -> tuple[int, int]:
     """Width and height of what is shown, in columns of the image."""
     height, width = picture.image.shape
     u0, v0, u1, v1 = picture.region or (0, 0, width - 1, height - 1)

@@ -10,8 +10,7 @@ with n_f independent of other frames, of covariance N_f, and η the shared error
 
     cov y_f = N_f + S_f Σ S_fᵀ                                           (2)
 
-**Points.** For cameras of a rig, N and S are those of `calibrate.quality.covariance` eq. 2; for linear cameras those of
-`dlt` eq. 7, with η the errors of all control balls' centroids themselves, which eq. 5 there takes to parameters (3).
+**Points.** For cameras of a rig, N and S are those of `calibrate.quality.covariance` eq. 2 (3).
 
 **Angles.** With F = d angle / d marker (by central differences, as any kinematics is a function of positions),
 
@@ -42,8 +41,6 @@ from ..calibrate.quality import joint_of, views
 from ..data import Rig
 from ..data.array_types import Floats
 from ..numerics.small_matrices import inverse3
-from .dlt_samples import parameter_gain, point_gains
-from .um2as_experiment import LinearisedErrors
 
 Kinematics = Callable[[Floats], Floats]
 """Angles (F, A) deg of markers (M, F, 3) mm."""
@@ -95,29 +92,6 @@ def rig_points(rig: Rig, xyz: Floats, *, centroid_sd: float, joint: Floats | Non
     own[known] = inverse @ said.noise.sum(0) @ inverse
     by[known] = -inverse @ said.pull.transpose(1, 2, 0, 3).reshape(-1, 3, len(joint))
     return Spread(own.reshape(*xyz.shape, 3), by.reshape(*xyz.shape, -1), joint)
-
-
-def linear_points(cameras: LinearisedErrors, xyz: Floats, *, centroid_sd: float, calibration_sd: float) -> Spread:
-    """Markers (M, F, 3) mm by the means of all pairs of linear cameras, as UM²AS has them (3).
-
-    Args:
-        cameras: calibrated with control balls.
-        xyz: (M, F, 3) mm, seen by all cameras.
-        centroid_sd: of a marker's centroid along u and along v, px.
-        calibration_sd: of a control ball's, px.
-
-    Raises:
-        ValueError: a standard deviation is negative.
-    """
-    if not (centroid_sd >= 0 and calibration_sd >= 0):
-        raise ValueError(f"centroid_sd is {centroid_sd} and calibration_sd {calibration_sd} px, wanted 0 or more")
-    flat = xyz.reshape(-1, 3)
-    images, parameters = point_gains(cameras.L, flat)
-    gain = [parameter_gain(cameras.points, uv) for uv in cameras.uv]
-    by = np.concatenate([parameters[:, :, c] @ gain[c] for c in range(len(gain))], 2)  # (3)
-    H = images.reshape(len(flat), 3, -1)
-    own = centroid_sd**2 * H @ H.swapaxes(-1, -2)
-    return Spread(own.reshape(*xyz.shape, 3), by.reshape(*xyz.shape, -1), calibration_sd**2 * np.eye(by.shape[2]))
 
 
 def placed_points(shape: Sequence[int], *, placement_sd: float) -> Spread:

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data import Detections, KinemarkError, Tracks, Trajectories
-from ..data.array_types import Bools, Floats, Ints
+from ..data.array_types import Bools, Floats
+from ..numerics.evenly import evenly_rounded
 
 SAME_MM = 20.0
 """A point nearer to a named marker than this is that marker; chosen."""
@@ -41,7 +42,7 @@ def gather(tracks: Tracks, detections: Detections, *, frames: int) -> SampledFra
     chosen = np.sort(chosen[lengths[chosen] >= max(0.1 * lengths.max(initial=0), 10)])
     if not len(chosen):
         raise KinemarkError("The trial has no marker seen in ten frames or more: there is nothing to judge by.")
-    at = _frames(cloud.n_frames, frames)
+    at = evenly_rounded(cloud.n_frames, frames)
     place = np.full(cloud.n_frames, -1)
     place[at] = np.arange(len(at))
     row = np.full(len(tracks), -1)
@@ -70,7 +71,7 @@ def gather_named(named: Trajectories, tracks: Tracks, detections: Detections, *,
             f"The named markers have {named.n_frames} frames at {named.rate:g} Hz and the recording "
             f"{cloud.n_frames} at {cloud.rate:g} Hz. Name a file of the same recording."
         )
-    at = _frames(named.n_frames, frames)
+    at = evenly_rounded(named.n_frames, frames)
     xyz = named.xyz[:, at]
     uv = np.full((*xyz.shape[:2], cloud.detection.shape[1], 2), np.nan)
     for i, f in enumerate(at + first):
@@ -90,8 +91,3 @@ def gather_named(named: Trajectories, tracks: Tracks, detections: Detections, *,
             "Name a file of the same recording, in the same world."
         )
     return there
-
-
-def _frames(n: int, most: int) -> Ints:
-    """At most so many of n frames, evenly spaced."""
-    return np.unique(np.linspace(0, n - 1, min(most, n)).round().astype(np.int64))

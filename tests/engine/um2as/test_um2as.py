@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from um2as_equations import fit_parameters, project
 
 from kinemark.data import KinemarkError, Rig
 from kinemark.engine.formats import convert, describe
@@ -23,7 +24,6 @@ from kinemark.io.c3d import read_c3d
 from kinemark.io.um2as import read_angles, read_cp, read_tdc, trajectories_of_tdc, write_da, write_msr, write_tdc
 from kinemark.reconstruct import LeastSquares
 from kinemark.reconstruct.camera_pairs import agreeing
-from kinemark.sensitivity.dlt_samples import fit_parameters, project
 from kinemark.synth import look_at as aimed
 from kinemark.synth import ring, truth
 from support.boxed import BALLS, files, seen_balls, seen_meal

@@ -18,6 +18,7 @@ from ...label.bystanders import among_bystanders
 from ...label.pooled import contradiction
 from ...label.stated import with_stated
 from ...label.subject_template import FEWEST
+from ...numerics.evenly import evenly_rounded
 from .claims import ClaimedTracks
 from .named_tracks import NamedTracks
 from .stated_exchanges import stated_exchanges
@@ -245,8 +246,7 @@ def learnt_frames(trajectories: Trajectories) -> tuple[int, ...]:
 
 def _learnt_rows(trajectories: Trajectories) -> Ints:
     """(n) the frames, from 0, that others learn from."""
-    F = trajectories.n_frames
-    return np.unique(np.linspace(0, F - 1, min(F, LEARNT_FRAMES)).round().astype(np.int64)) if F else np.zeros(0, int)
+    return evenly_rounded(trajectories.n_frames, LEARNT_FRAMES)
 
 
 def _lost(lost: Sequence[StatedName], first_frame: int) -> tuple[Finding, ...]:

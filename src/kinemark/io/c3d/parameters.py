@@ -58,25 +58,25 @@ class Parameter:
         set_columns(self, values=values)
 
     @classmethod
-    def text(cls, name: str, rows: Sequence[str] | str, *, description: str = "") -> Parameter:
+    def text(cls, name: str, rows: Sequence[str] | str) -> Parameter:
         """Characters: one string, or rows padded with blanks to the longest, cut at 127 bytes."""
         lines = [row.encode("utf-8")[:127] for row in ([rows] if isinstance(rows, str) else rows)]
         width = max(map(len, lines), default=0)
         table = np.frombuffer(b"".join(line.ljust(width) for line in lines), np.uint8).reshape(len(lines), width)
-        return cls(name, table[0] if isinstance(rows, str) else table, description)
+        return cls(name, table[0] if isinstance(rows, str) else table)
 
     @classmethod
-    def whole(cls, name: str, values: ArrayLike, *, description: str = "") -> Parameter:
+    def whole(cls, name: str, values: ArrayLike) -> Parameter:
         """16-bit integers; those from 32 768 to 65 535 are stored by their bits, as C3D does."""
         bits = np.asarray(values, np.int64)
         if bits.size and not (bits.min() >= -32768 and bits.max() <= 65535):
             raise ValueError(f"{name} must lie within −32768 … 65535, found {bits.min()} … {bits.max()}")
-        return cls(name, (bits & 0xFFFF).astype(np.uint16).view(np.int16), description)
+        return cls(name, (bits & 0xFFFF).astype(np.uint16).view(np.int16))
 
     @classmethod
-    def real(cls, name: str, values: ArrayLike, *, description: str = "") -> Parameter:
+    def real(cls, name: str, values: ArrayLike) -> Parameter:
         """Floats."""
-        return cls(name, np.asarray(values, np.float32), description)
+        return cls(name, np.asarray(values, np.float32))
 
     @property
     def is_text(self) -> bool:

@@ -5,16 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.data import Fills, MarkerTrajectory, Origin, Trajectories, images_of, matches_of, same
-from kinemark.fill import Linear, Rays, fill, fill_recording
-from kinemark.fill.fill_recording import Filling
+from kinemark.data import MarkerTrajectory, Matches, Origin, same
 from kinemark.io.records import load, save
 from kinemark.match import match
 from kinemark.reconstruct import reconstruct
 from kinemark.track import to_trajectories, track
 from kinemark.track.simultaneous import track_detections
 from support.laboratory import observe, ring
-from support.motions import body, swarm
+from support.motions import swarm
 
 RIG = ring(5)
 
@@ -35,10 +33,17 @@ def made(request):
     return seen, tracks, to_trajectories(tracks, RIG)
 
 
+def matches_of(path, seen):
+    """Samples that two or more cameras see, as matched images."""
+    detection = path.detection[(path.detection >= 0).sum(1) >= 2]
+    frame = seen.frame[detection.max(1)]
+    return Matches(frame, detection, np.full(len(detection), np.nan), seen.n_frames)
+
+
 def test_a_sample_solved_again_from_its_images_is_where_it_was(made):
     seen, _, trajectories = made
     for path in trajectories:
-        matches = matches_of(trajectories, path.name, seen)
+        matches = matches_of(path, seen)
         cloud = reconstruct(matches, seen, RIG)
         measured = np.flatnonzero(path.origin == Origin.MEASURED)
         several = (path.detection[measured] >= 0).sum(1) >= 2
@@ -53,25 +58,21 @@ def test_a_sample_is_shown_at_its_place_in_every_image(made):
     for name in trajectories.names[:3]:
         path = trajectories[name]
         for f in range(0, trajectories.n_frames, 7):
-            images = images_of(trajectories, name, f, seen)
-            for c in range(len(seen.cameras)):
-                if images.detection[c] < 0:
-                    assert np.isnan(images.uv[c]).all()
-                else:
-                    assert seen.camera[images.detection[c]] == c and seen.frame[images.detection[c]] == f
-                    assert np.array_equal(images.uv[c], seen.uv[images.detection[c]])
-            assert path.cameras[f] == sum(1 << c for c in np.flatnonzero(images.detection >= 0))
+            cameras = np.flatnonzero(path.detection[f] >= 0)
+            rows = path.detection[f, cameras]
+            assert np.array_equal(seen.camera[rows], cameras) and (seen.frame[rows] == f).all()
+            assert path.cameras[f] == sum(1 << c for c in cameras)
     rows = np.sort(np.concatenate([p.detection[p.detection >= 0] for p in trajectories]))
     own = tracks.cloud.detection[tracks.id >= 0]
     assert np.array_equal(rows, np.sort(own[own >= 0]))
 
 
 def test_stretches_and_choices_of_markers_keep_their_images(made):
-    seen, _, trajectories = made
+    _, _, trajectories = made
     part = trajectories.frames(10, 30).select(trajectories.names[::-1][:2])
     assert part.first_frame == 11 and part.names == trajectories.names[::-1][:2]
-    for f in (0, 7, 19):
-        assert same(images_of(part, part.names[0], f, seen), images_of(trajectories, part.names[0], f + 10, seen))
+    for path in part:
+        assert np.array_equal(path.detection, trajectories[path.name].detection[10:30])
 
 
 def test_records_on_disk_keep_them(made, tmp_path):
@@ -98,36 +99,3 @@ def test_cameras_follow_from_the_images_where_these_are_known():
     assert MarkerTrajectory.measured("b", np.ones((3, 3))).detection.shape == (3, 0)
     with pytest.raises(ValueError, match="detection has shape"):
         MarkerTrajectory.measured("c", np.ones((3, 3)), detection=np.zeros((2, 4)))
-
-
-def test_other_detections_are_refused(made):
-    seen, _, trajectories = made
-    with pytest.raises(ValueError, match="Give those that the trajectories were made of"):
-        images_of(trajectories, "*1", 0, seen.select(seen.cameras[:3]))
-    with pytest.raises(ValueError, match="Give those"):
-        matches_of(trajectories, "*1", seen.keep(np.arange(len(seen)) < 5))
-    unknown = Trajectories((MarkerTrajectory.measured("a", np.ones((3, 3))),), 100.0)
-    assert (images_of(unknown, "a", 0, seen).detection == -1).all() and not len(matches_of(unknown, "a", seen))
-
-
-def test_filled_samples_have_the_images_that_told_of_them_and_no_others():
-    """A marker is seen by one camera alone for 45 frames: its images there are that camera's."""
-    seen, shown = observe(RIG, body(130), noise=0.1)
-    hidden = (shown == 0) & (seen.frame >= 40) & (seen.frame < 85)
-    seen = seen.keep(~hidden | (seen.camera == 1))
-    tracks = track_detections(seen, RIG)
-    measured = to_trajectories(tracks, RIG)
-    plain = fill(measured, method=Linear(), limit_mm=np.inf).trajectories
-    filled = fill_recording(measured, Rays.left_by(tracks, seen, RIG), method=Filling(limit_mm=1e6)).trajectories
-    told = 0
-    for path, other, before in zip(filled, plain, measured, strict=True):
-        new = path.origin == Origin.FILLED
-        assert np.array_equal(path.detection[~new], before.detection[~new])
-        assert (other.detection[other.origin == Origin.FILLED] == -1).all()
-        known = path.detection[new] >= 0
-        assert not known[:, [0, 2, 3, 4]].any()
-        told += known.sum()
-    assert told > 20
-    fills = Fills.between(measured, filled)
-    assert same(fills.on(measured).xyz, filled.xyz)
-    assert all(same(a.detection, b.detection) for a, b in zip(fills.on(measured), filled, strict=True))

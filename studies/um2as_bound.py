@@ -1,7 +1,7 @@
 """Bounds on the error of a camera's eleven parameters: a textbook's that UM²AS could not use, and two that hold.
 
-Control points moved by R px in any directions change A L = b (UM²AS eq. 4.6; (2) of `dlt_samples`) by δA and δb. Where
-the unmoved points fit, A L = b exactly, and (UM²AS eq. 4.7, from Usmani 1991)
+Control points moved by R px in any directions change A L = b (UM²AS eq. 4.6; (2) of `um2as_equations`) by δA and δb.
+Where the unmoved points fit, A L = b exactly, and (UM²AS eq. 4.7, from Usmani 1991)
 
     ‖δL‖ / ‖L‖ ≤ ‖A⁺‖ / (1 − κ) · (‖δb‖ / ‖L‖ + ‖δA‖)    where    κ = ‖A⁺‖ ‖δA‖ < 1            (1)
 
@@ -15,7 +15,7 @@ change depends on the directions θ: δA holds −Δu X and −Δv X, so δAᵀ�
 bounds the parameters in units of their own; κ is then 0.03, and the bound holds, though it is loose.
 
 To first order the error of equation 4.11 has a bound of its own without a condition, and a tight one. With the gain
-G = dL / d(u, v) of (5) of `dlt_samples`, and N points moved by R each,
+G = dL / d(u, v) of (5) of `um2as_equations`, and N points moved by R each,
 
     ‖δL‖ / ‖L‖ ≤ ‖G‖ R √N / ‖L‖                                                              (3)
 """
@@ -25,9 +25,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from um2as_equations import fit_parameters, parameter_gain, rows
 
-from ..data.array_types import Floats
-from .dlt_samples import fit_parameters, parameter_gain, rows
+from kinemark.data.array_types import Floats
 
 
 class ParameterBound(NamedTuple):

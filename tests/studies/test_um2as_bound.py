@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from um2as_bound import first_order_bound, parameter_bound
+from um2as_equations import fit_parameters, rows
+from um2as_experiment import TABLE_4_2, LinearisedErrors, laboratory
+from um2as_sampling import circle
 
 from kinemark.data import KinemarkError
-from kinemark.sensitivity import LinearisedErrors, first_order_bound, laboratory, parameter_bound
-from kinemark.sensitivity.dlt_samples import fit_parameters, rows
-from kinemark.sensitivity.sampling import circle
-from kinemark.sensitivity.um2as_experiment import TABLE_4_2
 
 LAB = laboratory()
 RADIUS = 0.5  # px

@@ -37,9 +37,9 @@ from itertools import combinations
 
 import numpy as np
 
-from ..data import KinemarkError
-from ..data.array_types import Floats
-from ..numerics.small_matrices import inverse3, solve3_entries
+from kinemark.data import KinemarkError
+from kinemark.data.array_types import Floats
+from kinemark.numerics.small_matrices import inverse3
 
 FEWEST = 6  # points that the eleven parameters of a DLT need; by definition
 SINGULAR = 1e-14
@@ -152,3 +152,22 @@ def point_gains(L: Floats, xyz: Floats) -> tuple[Floats, Floats]:
     w = np.stack([depth(each, xyz) for each in L], 1)
     A = np.stack([rows(xyz, uv[:, c]) for c in range(len(L))], 1)
     return (H * w[..., None, None]).transpose(0, 2, 1, 3), -(H @ A).transpose(0, 2, 1, 3)
+
+
+def solve3_entries(A: list[Floats], b: list[Floats], *, singular: float = SINGULAR) -> Floats:
+    """x (3, …) of many symmetric 3 × 3 systems A x = b, given entry by entry; NaN where singular.
+
+    Args:
+        A: xx, xy, xz, yy, yz and zz, (…) each.
+        b: x, y and z, (…) each.
+        singular: the share of the product of the diagonal below which a determinant counts as zero.
+    """
+    xx, xy, xz, yy, yz, zz = A
+    first, second, third = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
+    det = xx * first + xy * second + xz * third
+    det = np.where(np.abs(det) > singular * np.abs(xx * yy * zz), det, np.nan)
+    cross = xy * xz - xx * yz
+    x = first * b[0] + second * b[1] + third * b[2]
+    y = second * b[0] + (xx * zz - xz * xz) * b[1] + cross * b[2]
+    z = third * b[0] + cross * b[1] + (xx * yy - xy * xy) * b[2]
+    return np.asarray(np.stack([x, y, z]) / det)

@@ -1,7 +1,7 @@
 """A labelled trial as an unlabelled one: whole or in pieces, among ghosts, shuffled, with the truth beside it.
 
 Markers may be absent, there may be some that no template knows, and two tracks may go over into each other. The names
-that come back are compared with the truth by `score_labels`; `calibration` does so on the trial that was labelled.
+that come back are compared with the truth by `labelling_scores`.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ..data import MarkerTrajectory, Trajectories
-from ..data.array_types import Bools, Floats, Ints
+from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.data.array_types import Bools, Floats, Ints
 
 Ghost = Literal["walk", "midpoint", "reflection", "twin"]
 """A point that wanders near the body, one midway between two markers, one that stands still, one made of other

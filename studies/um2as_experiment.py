@@ -17,6 +17,9 @@ and errors of a marker's centroids, of its parameters, or of both move it by d =
 (1) adds px², px²/mm² and 1/mm²; L4 and L8, in px, hold more than 99 % of |L|², so that (1) says where the image of the
 world's origin goes and hardly anything else. (3) depends on where the origin is. (2) depends on neither, and is to be
 preferred. X is the mean of the pairs of cameras that agree (`reconstruct.pairs`; UM²AS 2.4).
+
+To first order markers have the errors of `um2as_equations` (7), with the errors of all control balls' centroids as what
+frames share, which (5) there takes to parameters (4); `kinemark.sensitivity` takes them on to angles and means.
 """
 
 from __future__ import annotations
@@ -25,14 +28,15 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from um2as_equations import check_points, fit_parameters, pair_points, parameter_gain, point_gains
+from um2as_equations import project as project_dlt
+from um2as_sampling import Error, Sampled, Sampling, circle, climb, sample
 
-from ..data import KinemarkError
-from ..data.array_types import Floats
-from ..geometry import to_dlt
-from ..reconstruct.camera_pairs import agreeing
-from .dlt_samples import check_points, fit_parameters, pair_points
-from .dlt_samples import project as project_dlt
-from .sampling import Error, Sampled, Sampling, circle, climb, sample
+from kinemark.data import KinemarkError
+from kinemark.data.array_types import Floats
+from kinemark.geometry import to_dlt
+from kinemark.reconstruct.camera_pairs import agreeing
+from kinemark.sensitivity import Spread
 
 CONTROL_BALLS = 10.0 * np.array(
     [
@@ -252,6 +256,29 @@ def marker_experiment(
     found = sample(error, directions, method)
     largest = float(error(climb(error, found.starts, turn=method.turn, seed=method.seed)[None])[0])
     return Moved(found, found.error, 100 * found.error / size, largest, 100 * largest / size)  # (3)
+
+
+def linear_points(cameras: LinearisedErrors, xyz: Floats, *, centroid_sd: float, calibration_sd: float) -> Spread:
+    """Markers (M, F, 3) mm by the means of all pairs of linear cameras, as UM²AS has them (4).
+
+    Args:
+        cameras: calibrated with control balls.
+        xyz: (M, F, 3) mm, seen by all cameras.
+        centroid_sd: of a marker's centroid along u and along v, px.
+        calibration_sd: of a control ball's, px.
+
+    Raises:
+        ValueError: a standard deviation is negative.
+    """
+    if not (centroid_sd >= 0 and calibration_sd >= 0):
+        raise ValueError(f"centroid_sd is {centroid_sd} and calibration_sd {calibration_sd} px, wanted 0 or more")
+    flat = xyz.reshape(-1, 3)
+    images, parameters = point_gains(cameras.L, flat)
+    gain = [parameter_gain(cameras.points, uv) for uv in cameras.uv]
+    by = np.concatenate([parameters[:, :, c] @ gain[c] for c in range(len(gain))], 2)  # (4)
+    H = images.reshape(len(flat), 3, -1)
+    own = centroid_sd**2 * H @ H.swapaxes(-1, -2)
+    return Spread(own.reshape(*xyz.shape, 3), by.reshape(*xyz.shape, -1), calibration_sd**2 * np.eye(by.shape[2]))
 
 
 def _check_radius(radius: float) -> None:

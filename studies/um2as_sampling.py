@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data.array_types import Floats
+from kinemark.data.array_types import Floats
 
 Error = Callable[[Floats], Floats]
 """From angles θ (S, D) rad to errors (S)."""

@@ -253,6 +253,12 @@ def test_what_is_known_of_a_capture_goes_along(tmp_path):
     assert ("about the capture", tuple(about)) in {(note.what, note.names) for note in notes}
 
 
+@pytest.mark.parametrize("ending", [".trc", ".csv", ".tdc"])
+def test_a_table_of_markers_says_that_it_does_not_hold_which_axis_goes_up(tmp_path, ending):
+    notes = write_trial(replace(whole_trial(), about={"up": "+Y"}), tmp_path / f"a{ending}")
+    assert ("which axis goes up", ("+Y",)) in {(note.what, note.names) for note in notes}
+
+
 @pytest.mark.parametrize(
     ("name", "stated"),
     [

@@ -74,6 +74,12 @@ def test_unnamed_tracks_are_not_learnt_and_too_few_markers_are_refused():
         learn_template(Trajectories(walk().paths[:3], 100.0))
 
 
+def test_markers_at_one_place_are_no_template():
+    """Naming by it ended in a `ValueError` of SciPy."""
+    with pytest.raises(KinemarkError, match="at one place"):
+        learn_template(changed(walk(), lambda xyz: np.full_like(xyz, 70.0)))
+
+
 def test_several_trials_are_pooled():
     one, two = walk(1), walk(2)
     both = learn_template(one, two)

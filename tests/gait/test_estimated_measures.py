@@ -53,6 +53,13 @@ def test_widths_follow_from_markers_on_both_sides_of_a_joint():
     assert joints_by_share(off) == ("knees",) and estimated_measures(off).left.knee_mm == plain.left.knee_mm
 
 
+@pytest.mark.parametrize("mass_kg", [72269.0, 0.4])
+def test_plates_in_another_unit_are_said(mass_kg):
+    """The words were: mass_kg is 72269, wanted 2 to 400 kg, which nobody had stated."""
+    with pytest.raises(KinemarkError, match=f"By the force plates the body weighs {mass_kg:.1f} kg"):
+        estimated_measures(marker_points(stepping()), mass_kg=mass_kg)
+
+
 def test_units_that_are_no_millimetres_are_said():
     points = {name: xyz / 1000 for name, xyz in marker_points(stepping()).items()}
     with pytest.raises(KinemarkError, match="unit of length"):

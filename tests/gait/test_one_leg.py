@@ -90,6 +90,21 @@ def test_a_pelvis_without_legs_is_refused(tmp_path, lab):
         gait(tmp_path, lab, "left", "right")
 
 
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_standing_trial_without_a_leg_that_the_walk_has_is_refused(tmp_path, lab, side):
+    """The ankle's angles were 9° off, and nothing said why."""
+    write_trial(lab.walk, tmp_path / "walk.c3d")
+    write_trial(bare(lab.static, side), tmp_path / "static.c3d")
+    with pytest.raises(KinemarkError, match=f"walk: The standing trial static never shows the {side} leg"):
+        gait_of_files([tmp_path / "walk.c3d"], static=tmp_path / "static.c3d", measures=MEASURES, settings=SETTINGS)
+
+
+def test_markers_at_one_place_show_nothing(lab):
+    """A file with the same numbers for all markers ended in a `ValueError`."""
+    points = {name: np.full((3, 3), 70.0) for name in marker_points(lab.walk)}
+    np.testing.assert_array_equal(up_shown(points), [0, 0, 1])
+
+
 def test_one_leg_shows_what_is_up(lab):
     points = marker_points(bare(lab.walk, "left"))
     turned = {name: xyz[:, [1, 2, 0]] for name, xyz in points.items()}  # y goes up

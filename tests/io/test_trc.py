@@ -220,6 +220,14 @@ def test_zeros_are_gaps_and_a_marker_at_the_origin_is_not(tmp_path):
     assert np.allclose(read_trc(tmp_path / "b.trc").xyz[0], xyz, atol=2e-6)
 
 
+def test_a_heading_whose_value_is_no_number_says_so(tmp_path):
+    """The words were Python's: could not convert string to float."""
+    write_trc(tmp_path / "a.trc", markers(0))
+    changed(tmp_path / "a.trc", 3, lambda s: "fast" + s[s.index("\t") :])
+    with pytest.raises(KinemarkError, match="line 3: datarate is 'fast', wanted a number"):
+        read_trc(tmp_path / "a.trc")
+
+
 @pytest.mark.parametrize(("line", "change"), [(3, "\t21\t3"), (3, "\t20\t4")])
 def test_what_a_heading_promises_too_much_is_read_in_part_when_asked(tmp_path, line, change):
     write_trc(tmp_path / "a.trc", markers(0))

@@ -253,6 +253,12 @@ def test_what_is_known_of_a_capture_goes_along(tmp_path):
     assert ("about the capture", tuple(about)) in {(note.what, note.names) for note in notes}
 
 
+@pytest.mark.parametrize("ending", [".trc", ".csv", ".tdc"])
+def test_a_table_of_markers_says_that_it_does_not_hold_which_axis_goes_up(tmp_path, ending):
+    notes = write_trial(replace(whole_trial(), about={"up": "+Y"}), tmp_path / f"a{ending}")
+    assert ("which axis goes up", ("+Y",)) in {(note.what, note.names) for note in notes}
+
+
 @pytest.mark.parametrize(
     ("name", "stated"),
     [
@@ -275,3 +281,19 @@ def test_a_csv_of_one_frame_says_that_its_rate_is_lost(tmp_path):
     assert [note.what for note in notes] == ["the rate"]
     assert not write_trial(Trial("a", MARKERS.frames(0, 2)), tmp_path / "b.csv")
     assert not write_trial(Trial("a", MARKERS.frames(0, 1)), tmp_path / "a.trc")
+
+
+def test_zeros_in_a_csv_are_gaps_as_in_other_files_and_a_marker_at_the_origin_is_not(tmp_path):
+    """They were read as samples at the origin, so that `kinemark fill` found no gap."""
+    xyz = np.ones((6, 3))
+    xyz[2], xyz[4] = 0, [0, 0, 1]
+    (tmp_path / "a.csv").write_text(
+        "frame,time_s,A_x_mm,A_y_mm,A_z_mm\n"
+        + "".join(f"{k + 1},{k / 50},{x},{y},{z}\n" for k, (x, y, z) in enumerate(xyz))
+    )
+    trial = read_trial(tmp_path / "a.csv")
+    assert np.flatnonzero(np.isnan(trial.trajectories.xyz[0]).any(1)).tolist() == [2]
+    assert trial.notes == ("(0, 0, 0) is taken for missing; samples: 1",)
+    write_trial(Trial("a", Trajectories((MarkerTrajectory.measured("A", xyz),), 50.0)), tmp_path / "b.csv")
+    back = read_trial(tmp_path / "b.csv")
+    assert np.allclose(back.trajectories.xyz[0], xyz, atol=2e-6) and not back.notes

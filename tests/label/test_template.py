@@ -74,6 +74,12 @@ def test_unnamed_tracks_are_not_learnt_and_too_few_markers_are_refused():
         learn_template(Trajectories(walk().paths[:3], 100.0))
 
 
+def test_markers_at_one_place_are_no_template():
+    """Naming by it ended in a `ValueError` of SciPy."""
+    with pytest.raises(KinemarkError, match="at one place"):
+        learn_template(changed(walk(), lambda xyz: np.full_like(xyz, 70.0)))
+
+
 def test_several_trials_are_pooled():
     one, two = walk(1), walk(2)
     both = learn_template(one, two)
@@ -112,3 +118,10 @@ def test_static_trials_that_face_opposite_ways_show_the_same_orientations_as_one
     assert len(one.handed) > 10
     np.testing.assert_array_equal(both.handed, one.handed)
     np.testing.assert_array_equal(both.sign, one.sign)
+
+
+def test_a_trial_whose_markers_are_seen_at_its_beginning_alone_is_learnt():
+    """Leaving out the part with markers left nothing, and NumPy warned of it in the terminal."""
+    begun = (np.r_[path.xyz[:20], np.full((180, 3), np.nan)] for path in walk())
+    paths = tuple(MarkerTrajectory.measured(path.name, xyz) for path, xyz in zip(walk(), begun, strict=True))
+    assert learn_template(replace(walk(), paths=paths)).own_fit == 1.0

@@ -65,10 +65,11 @@ def shows_up(points: Mapping[str, Floats]) -> bool:
 
 
 def _from_the_feet(points: Mapping[str, Floats]) -> Floats | None:
-    """(3) of length 1 from the lowest pair of markers to the front of the pelvis; None where none is seen."""
+    """(3) of length 1 from the lowest pair of markers to the front of the pelvis; None where none is seen, or both are
+    at one place, as where a file has the same numbers for all."""
     above = _middle(points, PELVIS)
     below = next((at for pair in (*FEET, *ONE_FOOT) if (at := _middle(points, pair)) is not None), None)
-    return None if above is None or below is None else unit(above - below)
+    return None if above is None or below is None or np.array_equal(above, below) else unit(above - below)
 
 
 def _middle(points: Mapping[str, Floats], some: tuple[str, ...]) -> Floats | None:

@@ -17,6 +17,8 @@ TO_THE_LEFT = {"left": 1.0, "right": -1.0}
 """1 where lateral is to the left, −1 where it is to the right."""
 LENGTHS_MM = {"leg_mm": (200.0, 1500.0), "knee_mm": (30.0, 250.0), "ankle_mm": (20.0, 200.0)}
 """What a person's measures can be, mm; chosen, from a toddler to the tallest: beyond them a unit is wrong."""
+LEAST_KG, MOST_KG = 2.0, 400.0
+"""What a person's mass can be, kg; chosen likewise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,8 +122,8 @@ class SubjectMeasures:
     head_offset_deg: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.mass_kg is not None and not 2 <= self.mass_kg <= 400:
-            raise KinemarkError(f"mass_kg is {self.mass_kg:g}, wanted 2 to 400 kg.")
+        if self.mass_kg is not None and not LEAST_KG <= self.mass_kg <= MOST_KG:
+            raise KinemarkError(f"mass_kg is {self.mass_kg:g}, wanted {LEAST_KG:g} to {MOST_KG:g} kg.")
         if not 0 <= self.marker_diameter_mm <= 60:
             raise KinemarkError(f"marker_diameter_mm is {self.marker_diameter_mm:g}, wanted 0 to 60 mm.")
 

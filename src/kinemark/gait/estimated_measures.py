@@ -17,7 +17,7 @@ import numpy as np
 from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..data.strides import FootEvent
-from ..data.subject_measures import LENGTHS_MM, LETTER, SIDES, LegMeasures, Side, SubjectMeasures
+from ..data.subject_measures import LEAST_KG, LENGTHS_MM, LETTER, MOST_KG, SIDES, LegMeasures, Side, SubjectMeasures
 from .inverse_dynamics import GRAVITY
 from .lower_limb import leg_seen
 from .plate_contacts import Contact
@@ -41,12 +41,17 @@ def estimated_measures(
 
     Args:
         points: (F, 3) mm by the model's names, of a standing trial or a walk.
-        mass_kg: of the body, where it is known.
+        mass_kg: of the body by the plates (3), where they show it.
         marker_diameter_mm: from the skin to the middle of a marker is half of it.
 
     Raises:
-        KinemarkError: no frame has a pelvis and both ankles, or a leg is none of a person's.
+        KinemarkError: no frame has a pelvis and both ankles, or a leg or the mass is none of a person's.
     """
+    if mass_kg is not None and not LEAST_KG <= mass_kg <= MOST_KG:
+        raise KinemarkError(
+            f"By the force plates the body weighs {mass_kg:.1f} kg, wanted {LEAST_KG:g} to {MOST_KG:g}. Check the unit "
+            "of their channels, or state the subject's measures."
+        )
     legs = [_leg(points, side, marker_diameter_mm) for side in SIDES if leg_seen(points, side)]
     if not legs:
         raise KinemarkError("No leg can be measured: no frame shows a marker of one. State the subject's measures.")

@@ -180,6 +180,7 @@ def _markers_only(write: Callable[[Path, Trajectories], None]) -> Callable[[Path
             "force plates": tuple(str(i + 1) for i in range(len(trial.plates))),
             "events": tuple(dict.fromkeys(trial.events.label)),
             "about the capture": tuple(name for name in trial.about if name != UP),
+            "which axis goes up": tuple(axis for name, axis in trial.about.items() if name == UP),
             "poses": tuple(name for p in trial.poses for name in p.names),
         }
         left = [FileNote("not_written", what, names) for what, names in have.items() if names]

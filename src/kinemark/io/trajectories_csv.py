@@ -1,5 +1,7 @@
 """Trajectories as CSV: `frame, time_s`, then `NAME_x_mm, NAME_y_mm, NAME_z_mm` a marker; an empty cell is a gap.
 
+So is (0, 0, 0), as in TRC and C3D: other programs write it where a marker is missing.
+
 Spreadsheets of countries that write 2,5 save such a table with semicolons or tabs and decimal commas: read too.
 """
 
@@ -19,6 +21,7 @@ from .c3d.points import distinct
 from .csv_table import write_table
 from .cut_off import ends_its_line, without_cut_row
 from .number_text import bad_line, numbers, plain, read_text, separator, whole
+from .trc import OFF_ORIGIN
 
 AXES = ("_x_mm", "_y_mm", "_z_mm")
 UNEVEN, ROUNDED = 1.5, 0.01
@@ -56,8 +59,11 @@ def read_csv_trial(path: Path | str, *, rate: float | None = None, partial: bool
     rate = rate if rate is not None else rate_of(path, table[:, 1], at)
     xyz = table[:, 2:].reshape(len(table), len(names), 3).transpose(1, 0, 2)
     first = int(frame[0]) if len(frame) else 1
+    zero = (xyz == 0).all(2)
+    xyz[zero] = np.nan
+    odd = (f"(0, 0, 0) is taken for missing; samples: {zero.sum()}",) if zero.any() else ()
     paths = (MarkerPath.measured(n, x) for n, x in zip(distinct(names, len(names), "*"), xyz, strict=True))
-    return Trial(Path(path).stem, Trajectories(tuple(paths), rate, first), notes=notes)
+    return Trial(Path(path).stem, Trajectories(tuple(paths), rate, first), notes=(*notes, *odd))
 
 
 def csv_rows(path: Path | str) -> list[tuple[int, list[str]]]:
@@ -101,13 +107,17 @@ def rate_of(path: Path | str, time: Floats, lines: Sequence[int]) -> float:
 
 
 def write_trajectories_csv(path: Path | str, trajectories: Trajectories) -> None:
-    """Write markers in mm, every digit kept; frame and time count as C3D does, from 1 and 0 s.
+    """Write markers in mm, every digit kept, a sample at the very origin 10⁻⁶ mm off it.
+
+    Frame and time count as C3D does, from 1 and 0 s.
 
     Raises:
         KinemarkError: the file cannot be written.
     """
     n, first = trajectories.n_frames, trajectories.first_frame
-    flat = trajectories.xyz.transpose(1, 0, 2).reshape(n, -1)
+    xyz = trajectories.xyz.transpose(1, 0, 2)
+    xyz[(xyz == 0).all(2)] = OFF_ORIGIN
+    flat = xyz.reshape(n, -1)
     write_table(
         path,
         ["frame", "time_s", *(name + axis for name in trajectories.names for axis in AXES)],

@@ -133,7 +133,7 @@ def _number(path: Path | str, found: TrcTable, name: str) -> float:
     try:
         return float(text.replace(",", ".")) if text else math.nan
     except ValueError as error:
-        raise bad_line(path, found.heading, f"{error}") from error
+        raise bad_line(path, found.heading, f"{name} is {text!r}, wanted a number. Correct that line.") from error
 
 
 def write_trc(path: Path | str, trajectories: Trajectories) -> None:

@@ -43,6 +43,8 @@ def own_fit(parts: Sequence[Floats], template: Template) -> float:
 def _left_out(k: int, pieces: Sequence[Floats], template: Template) -> float:
     """The share of part k; NaN where it shows no two markers that the rest knows."""
     rest = np.concatenate([_distances(piece) for i, piece in enumerate(pieces) if i != k], axis=2)
+    if not (rest > 0).any():
+        return np.nan
     n = np.isfinite(rest).sum(2)
     mean = np.where(n > 0, np.nansum(rest, 2) / np.maximum(n, 1), np.nan)
     spread = np.sqrt(np.nansum((rest - mean[..., None]) ** 2, 2) / np.maximum(n, 1))

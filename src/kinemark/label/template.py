@@ -157,7 +157,8 @@ def learn_template(
         segments: name → markers of one body, as `MarkerSet` has them: their distances have no such further spread.
 
     Raises:
-        KinemarkError: there are fewer than four names with samples, or no two of them are ever seen together.
+        KinemarkError: there are fewer than four names with samples, no two of them are ever seen together, or all are
+            at one place.
         ValueError: relative_spread is below 0.
     """
     if not 0 <= relative_spread < np.inf:
@@ -172,6 +173,8 @@ def learn_template(
     n = np.isfinite(d).sum(2)
     if not (n[np.triu_indices(len(known), 1)] > 0).any():
         raise KinemarkError("No two markers of the template are ever seen in one frame.")
+    if not (d > 0).any():
+        raise KinemarkError("All markers of the template are at one place. Export its trials again.")
     sums = np.nansum(d, 2) / np.maximum(n, 1)
     mean = np.where(n > 0, sums, np.nan)
     spread = np.sqrt(np.nansum((d - sums[..., None]) ** 2, 2) / np.maximum(n, 1))  # (1)

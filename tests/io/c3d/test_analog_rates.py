@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.data import Analog, ForcePlate, MarkerTrajectory, Trajectories, Trial
+from kinemark.data import Analog, ForcePlate, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from kinemark.io.c3d import on_frames, read_c3d, write_c3d
 
 FAST = Analog(("a",), ("V",), 1000.0, np.arange(45.0)[None])
@@ -85,3 +85,9 @@ def test_stored_rates_have_a_whole_ratio_for_readers_that_round_it_down(tmp_path
     write_c3d(tmp_path / "a.c3d", Trial("a", Trajectories((marker,), rate), analog=(channels,)))
     doc = read_c3d(tmp_path / "a.c3d").source
     assert int(doc.number("ANALOG", "RATE", 0) / doc.number("POINT", "RATE", 1)) == samples == doc.samples
+
+
+def test_more_samples_than_a_frame_holds_are_refused_before_they_take_memory():
+    """A trial of 293 frames at 0.01 Hz with 34 channels at 1000 Hz took 14 GB."""
+    with pytest.raises(KinemarkError, match="100000 samples"):
+        on_frames((FAST,), 0.01, 10**9)

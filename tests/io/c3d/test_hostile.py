@@ -52,6 +52,15 @@ def test_the_frames_before_a_cut_are_read_and_the_rest_is_named():
     assert np.array_equal(again.points, part.points) and not again.notes  # its parameters count what it holds
 
 
+def test_a_name_of_garbage_does_not_fill_the_message():
+    raw = small()
+    nameless = bytes([127, 1]) + b"\x01" * 127 + bytes([4, 0, 5, 0])  # a parameter of group 1, of no known type
+    damaged = raw[:516] + nameless + raw[516:]
+    with pytest.raises(KinemarkError) as stop:
+        decode_document(damaged, name="damaged")
+    assert r"\x01" * 40 in str(stop.value) and r"\x01" * 41 not in str(stop.value)
+
+
 def test_damaged_bytes_never_give_another_error():
     rng = np.random.default_rng(5)
     files = [small(order, floats) for order, floats in product(ByteOrder, (True, False))]

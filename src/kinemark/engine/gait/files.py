@@ -12,10 +12,11 @@ import numpy as np
 from ...data import Finding, KinemarkError
 from ...data.gait_curves import GaitCurves, GaitReference
 from ...data.marker_sides import without_subject
-from ...data.subject_measures import SubjectMeasures
+from ...data.subject_measures import SIDES, SubjectMeasures
 from ...findings.gait import GaitOfTrial, gait_figures
 from ...findings.gait_subjects import BodyOfTrial, of_left_out
 from ...gait.clusters import Clusters, usual_clusters, with_wands
+from ...gait.lower_limb import leg_seen
 from ...gait.same_motion import same_motion
 from ...gait.standard_trial import with_absent_leg
 from ...io.c3d import write_c3d
@@ -199,11 +200,28 @@ def _walks_and_standing(
     if still is not None:
         still = with_usual_clusters(still, list(found.values()), settings)
         still = replace(still, standard=with_absent_leg(still.standard))
-    whole, incomplete = _each(found, lambda walk: completed(walk, still))
+    whole, incomplete = _each(found, lambda walk: _stood(completed(walk, still), still))
     unusable = unread | incomplete
     if not whole:
         raise next(iter(unusable.values()))
     return list(whole.values()), still, unusable
+
+
+def _stood(walk: Recorded, still: Recorded | None) -> Recorded:
+    """The walk, where the standing trial shows each of its legs: ankles without offsets are some 10° off.
+
+    Raises:
+        KinemarkError: it does not.
+    """
+    if still is None:
+        return walk
+    bare = [side for side in SIDES if leg_seen(walk.points, side) and not leg_seen(still.points, side)]
+    if bare:
+        raise KinemarkError(
+            f"{walk.name}: The standing trial {still.name} never shows the {' and the '.join(bare)} leg, so that there "
+            "are no offsets of the foot. Name the leg's markers there, or give another standing trial."
+        )
+    return walk
 
 
 def _each(

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...data import Analog
+from ...data import Analog, KinemarkError
 from ...data.array_types import Floats
 from ..notes import FileNote
 
@@ -20,6 +20,8 @@ SAME_RATE = 1e-3
 """Share by which rates may differ and still be one, since files round them; chosen."""
 SAME_TIME = 1e-3
 """Samples by which a start may be off the clock; chosen."""
+MOST_SAMPLES = 65_535
+"""Samples of a channel in a frame; of the format."""
 MOST_DRIFT = 0.5
 """Samples by which a repeated channel may be off the clock at its end; chosen."""
 
@@ -37,10 +39,18 @@ def on_frames(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Ana
     Args:
         analog: the records of a trial.
         rate: of the frames, Hz. n_frames: their number.
+
+    Raises:
+        KinemarkError: more samples fall on a frame than the format counts, as with a wrong rate of the frames.
     """
     if not analog:
         return None, ()
     k = samples_a_frame(analog, rate)
+    if k > MOST_SAMPLES:
+        raise KinemarkError(
+            f"With {rate:g} frames a second {k} samples of the channels fall on a frame. C3D holds {MOST_SAMPLES}. "
+            "Correct the rate of the frames or that of the channels, or write HDF5 (.h5)."
+        )
     whole = k * rate
     if all(abs(a.rate - whole) <= SAME_RATE * whole for a in analog):
         whole = analog[0].rate  # as the source states it

@@ -29,6 +29,7 @@ from .numbers import ByteOrder, decode_floats, decode_words, encode_floats, enco
 
 BLOCK = 512  # bytes of a block of the file; of the format
 MOST_ENTRIES = 65_536  # parameters and groups at most; chosen, lest a broken file take memory
+SHOWN = 40  # letters of a name in a message at most; chosen: those of a broken file are 127 bytes of anything
 MOST_DIMENSIONS = 7  # of a parameter; of the format
 ValueArray = NDArray[np.uint8] | NDArray[np.int8] | NDArray[np.int16] | NDArray[np.float32]
 _TYPE_OF = {"uint8": -1, "int8": 1, "int16": 2, "float32": 4}
@@ -156,18 +157,19 @@ def decode_parameters(raw: bytes, order: ByteOrder) -> tuple[tuple[Group, ...], 
         name = raw[start + 2 : start + 2 + abs(length)].decode("latin-1")
         body = raw[start + 4 + abs(length) : stop]
         if number in (0, -128):
-            lost.append(f"{name!r}, which is of no group")
+            lost.append(f"{name[:SHOWN]!r}, which is of no group")
             continue
         sheet = sheets.setdefault(abs(number), _Sheet())
         if number > 0:
             try:
                 sheet.parameters.append(_decode_parameter(name, body, order, locked=length < 0))
             except ValueError as error:
-                lost.append(f"parameter {name!r} of {sheet.name or f'group {number}'} {error}")
+                of = sheet.name[:SHOWN] or f"group {number}"
+                lost.append(f"parameter {name[:SHOWN]!r} of {of} {error}")
         elif not sheet.name:
             sheet.name, sheet.description, sheet.locked = name, _description(body), length < 0
         else:
-            lost.append(f"group {name!r} has the number {abs(number)} of {sheet.name!r}")
+            lost.append(f"group {name[:SHOWN]!r} has the number {abs(number)} of {sheet.name[:SHOWN]!r}")
     groups = [Group(i, s.name, tuple(s.parameters), s.description, s.locked) for i, s in sheets.items()]
     return tuple(sorted(groups, key=lambda group: not group.name)), tuple(lost), tuple(odd)
 
@@ -179,7 +181,7 @@ def _entries(raw: bytes, order: ByteOrder, lost: list[str], odd: list[str]) -> I
         pointer = at + 2 + (raw[at] if raw[at] < 128 else 256 - raw[at])
         step = int.from_bytes(raw[pointer : pointer + 2], "big" if order.char == ">" else "little")
         stop, count = pointer + step if step else len(raw), count + 1
-        name = raw[at + 2 : pointer].decode("latin-1")[:40]
+        name = raw[at + 2 : pointer].decode("latin-1")[:SHOWN]
         if pointer + 2 <= len(raw) and (stop > len(raw) or step == 1):
             stop = _own_end(raw, pointer + 2, raw[at + 1])
             if stop <= len(raw):

@@ -5,6 +5,10 @@ succession of the PROOF after it do not show may be of images of several markers
 followed back from where it is seen again. So it is set aside and its images are free again, for tracks that begin in
 that frame: kept, they would leave those that are right without a beginning, frame after frame. It returns where, after
 both passes, no other track has any of its images (1). One frame does not show a marker that flickers.
+
+At any rate a new track that halts (`InitiatedTracks.halting`) is set aside where one frame of the PROOF does not show
+it (2). Two markers whose images two such tracks have in turn would otherwise leave none free in three frames in
+succession, so that the next tracks halt too, until the end.
 """
 
 from __future__ import annotations
@@ -129,6 +133,7 @@ class Run:
         self.F = fundamentals(images.P)
         self.seen: list[Associations] = []
         self.initiated = self.no_tracks()
+        self.halting: set[int] = set()
         self.n = 0
         self.aside: list[Associations] = []
 
@@ -150,7 +155,7 @@ class Run:
     def go_forwards(self, first: Ints, length: int) -> None:
         """Associate forwards in stretches of so many frames that begin at frames `first`."""
         stride = max(round(self.method.initiation_interval / self.T), 1)
-        proof = int(min(self.method.max_coasting / self.T, PROOF)) if self.T > SLOW else 0
+        proof = int(min(self.method.max_coasting / self.T, PROOF))
         active, new = self.no_tracks(), deque([(0, 0)], max(proof, 1))
         for k in range(length):
             tell(k, 2 * length)
@@ -199,6 +204,7 @@ class Run:
     def taken_up(self, initiated: InitiatedTracks) -> ActiveTracks:
         """New tracks, which then have their images."""
         ids = np.arange(self.n, self.n + len(initiated))
+        self.halting |= set(ids[initiated.halting(self.method.gate)].tolist())
         self.n += len(initiated)
         for group in initiated.groups:
             self.free[group.detection[group.detection >= 0]] = False
@@ -221,13 +227,14 @@ class Run:
         return ActiveTracks(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
 
     def proven(self, active: ActiveTracks, new: int, since: int) -> ActiveTracks:
-        """The tracks one frame on; those from number `new` on that are not shown any more are set aside (1). All that
-        these have stands in `seen` from place `since` on."""
+        """The tracks one frame on; those from number `new` on that are not shown any more are set aside (1), (2). All
+        that these have stands in `seen` from place `since` on."""
         after = self.step(active)
-        on_trial = active.id[active.id >= new]
+        halting = list(self.halting)
+        on_trial = active.id[(active.id >= new) & ((self.T > SLOW) | np.isin(active.id, halting))]
         if not len(on_trial):
             return after
-        gone = np.setdiff1d(on_trial, after.id[after.alone < UNSEEN])
+        gone = np.setdiff1d(on_trial, after.id[after.alone < np.where(np.isin(after.id, halting), 1, UNSEEN)])
         for k in range(since if len(gone) else len(self.seen), len(self.seen)):
             seen, theirs = self.seen[k], np.isin(self.seen[k].id, gone)
             self.free[_own(seen.take(theirs))] = True

@@ -21,14 +21,6 @@ so such triples are left, but none of less than LEAST_GATE: at few frames a seco
 is hardly accelerated. Of the rest, points of SOUND and more images, which hardly meet by chance, are looked at again as
 if v were FAST, where frames follow each other within SHORT: what is struck or thrown is faster than all else in a
 recording, and leaves no track that could tell how fast.
-
-Two markers in turn, A B B, bend as far as they are apart, and go on as A B B A. Where accelerations as expected bend so
-far too, (1) and (2) do not tell them. But one of their steps is short: a track *halts* whose bend is surely one, and
-more than HALT of the longer step,
-
-    (x₁ − 2 x₂ + x₃)ᵀ (V₁ + 4 V₂ + V₃)⁻¹ (x₁ − 2 x₂ + x₃) > gate²                           (4)
-
-and needs proof (`passes`).
 """
 
 from __future__ import annotations
@@ -66,10 +58,6 @@ LONG = 0.03
 """s from frame to frame, from which v₀ = v; chosen: at 25 Hz one scene of benchmarks/tracking_scenes.py (2121) had 17
 swaps for 9 by (3), and the plate of studies/infrared_footage.py 21 tracks for 20. Hands would have fewer swaps."""
 
-HALT = 0.5
-"""Of the longer of two steps, a share; chosen: A B B has 1 where the markers stand, and 0.7 where they go on by half of
-their distance."""
-
 MEDIAN_OF_CHI, SLOWEST = 1.538, 1e-3
 """Median of the length of three normal numbers, by definition; and mm/s, the least v₀, chosen: it is 0 where all stands
 still and there is no noise."""
@@ -82,14 +70,6 @@ class InitiatedTracks(NamedTuple):
 
     def __len__(self) -> int:
         return self.groups[0].xyz.shape[-1]
-
-    def halting(self, gate: float) -> Bools:
-        """(B) those that halt, by (4) and HALT."""
-        first, middle, last = self.groups
-        one, other = middle.xyz - first.xyz, last.xyz - middle.xyz
-        bend, longer = other - one, np.maximum(*(np.linalg.norm(step, axis=0) for step in (one, other)))
-        sure = np.einsum("it,ijt,jt->t", bend, inverse(first.cov + 4 * middle.cov + last.cov), bend) > gate**2
-        return np.asarray(sure & (np.linalg.norm(bend, axis=0) > HALT * longer))
 
 
 def initiate(

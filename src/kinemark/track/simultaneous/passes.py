@@ -8,9 +8,9 @@ both passes, no other track has any of its images (1). One frame does not show a
 
 Where accelerations as expected bend a track from one marker to the next, the recording is *crowded*: with the median
 d of the distances of new tracks to their nearest ones, LEAST_GATE a T² > d (2). Two markers in turn, A B B A, begin
-tracks there that have one image of each marker in every frame. None is then free in three frames in succession, the next
-tracks are wrong too, and so it goes on. At any rate new tracks of such recordings are on trial, and one frame that does
-not show them is enough.
+tracks there, and as these have one image of each frame, none is left in three frames in succession but of both markers
+in turn, frame after frame. So at any rate new tracks are on trial there, and one frame that does not show them is
+enough.
 """
 
 from __future__ import annotations

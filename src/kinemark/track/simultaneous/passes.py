@@ -7,7 +7,7 @@ that frame: kept, they would leave those that are right without a beginning, fra
 both passes, no other track has any of its images (1). One frame does not show a marker that flickers.
 
 Where accelerations as expected bend a track from one marker to the next, the recording is *crowded*: with the median
-d of the distances of tracks to their nearest ones, LEAST_GATE a T² > d (2). Two markers in turn, A B B A, begin
+d of the distances of new tracks to their nearest ones, LEAST_GATE a T² > d (2). Two markers in turn, A B B A, begin
 tracks there, and as these have one image of each frame, none is left in three frames in succession but of both markers
 in turn, frame after frame. So at any rate new tracks are on trial there, and one frame that does not show them is
 enough.
@@ -165,6 +165,7 @@ class Run:
             new.append((self.n if proof >= 2 else np.iinfo(np.int64).max, len(self.seen)))  # none is on trial
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
+            if k == 2:  # all markers that are seen begin their tracks
                 self.crowded = _crowded(active, self.T, self.method)
 
     def go_backwards(self, active: ActiveTracks, length: int) -> None:
@@ -329,11 +330,11 @@ def _off_without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
     return np.where(np.isfinite(variance), (d * x * x - 2 * b * x * y + a * y * y) / det, 0.0)
 
 
-def _crowded(active: ActiveTracks, T: float, method: Simultaneous) -> bool:
-    """Whether (2) holds of active tracks, each with those in its frame."""
+def _crowded(new: ActiveTracks, T: float, method: Simultaneous) -> bool:
+    """Whether (2) holds of new tracks in some frames."""
     nearest = [np.zeros(0)]
-    for frame in np.unique(active.frame):
-        x = active.motion.position[:, active.frame == frame]
+    for frame in np.unique(new.frame):
+        x = new.motion.position[:, new.frame == frame]
         apart = np.linalg.norm(x[:, :, None] - x[:, None], axis=0)
         np.fill_diagonal(apart, np.inf)
         nearest.append(apart.min(0))

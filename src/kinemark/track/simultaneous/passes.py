@@ -59,7 +59,7 @@ in turn, A B B A, fit a parabola, and the points after it show it. Where it has 
 trial."""
 
 SLOW = 0.03
-"""s from frame to frame, from which new tracks are on trial though it is not crowded; chosen: at 25 Hz it saves samples, ghosts and swaps. Seven
+"""s from frame to frame, from which new tracks are on trial; chosen: at 25 Hz it saves samples, ghosts and swaps. Seven
 fresh scenes at 100 Hz and more (seeds 5302 to 5328 of benchmarks/tracking_scenes.py) have as many samples and ghosts
 with it, three others (2109, 2147, 5204) 45 of 11 907 samples fewer and 25 ghosts more."""
 

@@ -5,6 +5,12 @@ succession of the PROOF after it do not show may be of images of several markers
 followed back from where it is seen again. So it is set aside and its images are free again, for tracks that begin in
 that frame: kept, they would leave those that are right without a beginning, frame after frame. It returns where, after
 both passes, no other track has any of its images (1). One frame does not show a marker that flickers.
+
+Where accelerations as expected bend a track from one marker to the next, the recording is *crowded*: with the median
+d of the distances of new tracks to their nearest ones, LEAST_GATE a T² > d (2). Two markers in turn, A B B A, begin
+tracks there, and as these have one image of each frame, none is left in three frames in succession but of both markers
+in turn, frame after frame. So at any rate new tracks are on trial there, and one frame that does not show them is
+enough.
 """
 
 from __future__ import annotations
@@ -23,7 +29,7 @@ from ...numerics.returned_memory import return_memory
 from .associate import Association, PredictedImages, associate, information, predict_images, share
 from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
-from .initiate import InitiatedTracks, initiate
+from .initiate import LEAST_GATE, InitiatedTracks, initiate
 from .kalman_states import KalmanStates, initial_states, predict, update
 from .simultaneous_method import Simultaneous
 
@@ -128,7 +134,7 @@ class Run:
         self.free = images.usable.copy()
         self.F = fundamentals(images.P)
         self.seen: list[Associations] = []
-        self.initiated = self.no_tracks()
+        self.initiated, self.crowded = self.no_tracks(), False
         self.n = 0
         self.aside: list[Associations] = []
 
@@ -150,7 +156,7 @@ class Run:
     def go_forwards(self, first: Ints, length: int) -> None:
         """Associate forwards in stretches of so many frames that begin at frames `first`."""
         stride = max(round(self.method.initiation_interval / self.T), 1)
-        proof = int(min(self.method.max_coasting / self.T, PROOF)) if self.T > SLOW else 0
+        proof = int(min(self.method.max_coasting / self.T, PROOF))
         active, new = self.no_tracks(), deque([(0, 0)], max(proof, 1))
         for k in range(length):
             tell(k, 2 * length)
@@ -159,6 +165,8 @@ class Run:
             new.append((self.n if proof >= 2 else np.iinfo(np.int64).max, len(self.seen)))  # none is on trial
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
+            if k == 2:  # all markers that are seen begin their tracks
+                self.crowded = _crowded(active, self.T, self.method)
 
     def go_backwards(self, active: ActiveTracks, length: int) -> None:
         """Associate backwards from where tracks were initiated."""
@@ -221,13 +229,13 @@ class Run:
         return ActiveTracks(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
 
     def proven(self, active: ActiveTracks, new: int, since: int) -> ActiveTracks:
-        """The tracks one frame on; those from number `new` on that are not shown any more are set aside (1). All that
-        these have stands in `seen` from place `since` on."""
+        """The tracks one frame on; those from number `new` on that are not shown any more are set aside (1), (2). All
+        that these have stands in `seen` from place `since` on."""
         after = self.step(active)
         on_trial = active.id[active.id >= new]
-        if not len(on_trial):
+        if not len(on_trial) or not (self.crowded or self.T > SLOW):
             return after
-        gone = np.setdiff1d(on_trial, after.id[after.alone < UNSEEN])
+        gone = np.setdiff1d(on_trial, after.id[after.alone < (1 if self.crowded else UNSEEN)])
         for k in range(since if len(gone) else len(self.seen), len(self.seen)):
             seen, theirs = self.seen[k], np.isin(self.seen[k].id, gone)
             self.free[_own(seen.take(theirs))] = True
@@ -320,6 +328,18 @@ def _off_without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
     det = np.maximum(a * d - b * b, (MIN_VARIANCE_SHARE * v) ** 2)
     x, y = off.swapaxes(0, 1)
     return np.where(np.isfinite(variance), (d * x * x - 2 * b * x * y + a * y * y) / det, 0.0)
+
+
+def _crowded(new: ActiveTracks, T: float, method: Simultaneous) -> bool:
+    """Whether (2) holds of new tracks in some frames."""
+    nearest = [np.zeros(0)]
+    for frame in np.unique(new.frame):
+        x = new.motion.position[:, new.frame == frame]
+        apart = np.linalg.norm(x[:, :, None] - x[:, None], axis=0)
+        np.fill_diagonal(apart, np.inf)
+        nearest.append(apart.min(0))
+    near = np.concatenate(nearest)
+    return bool(len(near) and LEAST_GATE * method.acceleration_sd * T * T > np.median(near))
 
 
 def _own(seen: Associations) -> Ints:

@@ -92,6 +92,13 @@ def test_what_a_lost_track_finds_must_be_evidence():
     assert np.flatnonzero(_without_evidence(backwards, backwards.detection >= 0, 4, METHOD)).tolist() == [4, 5, 6]
 
 
+def test_a_track_is_not_lost_where_it_was_initiated():
+    """Two neighbouring cameras leave the depth vague; it goes on backwards from its first points, not from its end."""
+    own = [2, 2, 2, 1, 1, 2, 1]
+    seen = sightings([10, 11, 12, 13, 14, 9, 8], [0] * 7, own=own, before=[30, 20, 20, 20, 30, 30, 30])
+    assert np.flatnonzero(_without_evidence(seen, seen.detection >= 0, 4, METHOD)).tolist() == [4]
+
+
 @pytest.mark.parametrize(("own", "sd", "given"), [(2, 90.0, True), (2, 110.0, False), (1, 1.9, True), (1, 2.1, False)])
 def test_points_of_merged_images_must_be_known_better(own, sd, given):
     cov = np.eye(3)[None] * sd**2 / 3

@@ -384,17 +384,17 @@ def _without_evidence(every: Associations, own: Bools, least: float, method: Sim
 
     Its unshared images (C, S) until it is lost again must be evidence of a marker, or last as long as the shortest
     track. In `every` a track's associations stand as they were made, forwards from where it was initiated and then
-    backwards.
+    backwards. In either direction it begins at its first points, and so is not lost there, vague as these may be.
     """
     order = np.argsort(every.id, kind="stable")
     id, frame = every.id[order], every.frame[order]
     back = frame < frame[np.searchsorted(id, id)]
     first = begins(id, back)
     anchored = own.sum(0)[order] >= 2
-    lost = (every.before[order] > method.uncertain_sd) & ~np.roll(anchored, 1)
+    lost = (every.before[order] > method.uncertain_sd) & ~np.roll(anchored, 1) & ~first
     spell = np.cumsum(first | lost) - 1
     said = np.bincount(spell, point_evidence(every, own, method.gate)[order])
-    sure = (np.bincount(spell, first & ~lost) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
+    sure = (np.bincount(spell, first) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
     out = np.zeros(len(order), bool)
     out[order] = ~sure[spell]
     return out

@@ -204,7 +204,7 @@ def _learned(
     broken = moving.images is not working.images or moving.method.process_noise < method.process_noise
     working, method = working._replace(images=moving.images), moving.method
     del moving
-    first = _first_pass(detections, rig, images, working, method, errors)
+    first = _first_pass(detections, images, working, method, errors)
     for learned in () if broken else (less_noisy, of_tracks):  # tracks that break need the room they have
         held = [working]
         del working  # its places are given up while another rig's are looked at
@@ -212,7 +212,7 @@ def _learned(
         if better:
             del first  # before there are two in memory
             return_memory()
-            first = _first_pass(detections, rig, images, working, method, errors)
+            first = _first_pass(detections, images, working, method, errors)
     return _waiting(images, working, rig), noise, working, method, first
 
 
@@ -260,7 +260,7 @@ class FirstPass(NamedTuple):
 
 
 def _first_pass(
-    detections: Detections, rig: Rig, images: Images, working: Working, method: Simultaneous, errors: ImageErrors
+    detections: Detections, images: Images, working: Working, method: Simultaneous, errors: ImageErrors
 ) -> FirstPass:
     """The tracks that are confirmed, their points solved, before any is stitched."""
     T = 1 / detections.rate

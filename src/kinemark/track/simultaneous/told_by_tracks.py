@@ -13,7 +13,6 @@ from .noise_of_tracks import excess
 from .rig_of_tracks import rig_of_tracks
 from .simultaneous_method import Simultaneous
 from .solved_points import Working
-from .twin_tracks import joined_twins
 
 OF_TRACKS_RATIO = 1.2
 """Of the variance that lines say with the rig before, the most that they say with the rig adjusted to tracks, where it
@@ -47,8 +46,8 @@ def of_tracks(
     Lines of two cameras need not agree better, only not clearly worse: where cameras stand in a row, they do not tell.
     Noise that is stated, and that no pair of cameras contradicts, is no less by another rig. There the rig is adjusted
     where three images disagree by more than that: lines of two cameras do not tell how far one stands from the other,
-    and where all stand in a row no pair of them does. So it is where a marker has two tracks for that (`twin_tracks`),
-    or the points lack the images of a camera (`images_beside`).
+    and where all stand in a row no pair of them does. So it is where points lack the images of a camera
+    (`images_beside`).
 
     The list of the one before is empty afterwards, so that its places and the other ones are not in memory at once.
     """
@@ -56,8 +55,7 @@ def of_tracks(
     usable, believed = working.images.usable, images.stated and not working.noise.added.any()
     before = float(np.median(working.images.variance[usable])) if len(tracks.cloud) else 0.0
     whole = with_images_beside(tracks, working.images)
-    detection = joined_twins(whole, working.images.uv, working.images.variance, working.images.P)
-    lines_tell = not believed and whole is tracks and detection.shape[1] == len(tracks.cloud)
+    detection, lines_tell = whole.cloud.detection.T, whole is tracks and not believed
     rig = rig_of_tracks(detection, working.images, working.rig, least=np.sqrt(before) if believed else 0.0)
     if rig is working.rig:
         return working, False

@@ -301,21 +301,14 @@ def _followed(
     every = run(working.images, rate, method, lasting_variance(working.images, F, T, method.gate))
     evident, columns = ~_without_evidence(every, _unshared(every, images), least, method), list(every)
     del every
-    every = Associations.of(columns, evident)
+    columns = list(Associations.of(columns, evident))
     return_memory()
-    bare = every._replace(before=np.zeros(0), xyz=np.zeros((3, 0)), cov=np.zeros((3, 3, 0)))
-    sure = _evidence(_kept_associations(bare, least), images, working, method) > SURE
-    del bare
-    return_memory()
-    columns = list(every)
-    del every
     rivalled = without_rivalled(columns, working.images, F, T, method)
     return_memory()
     seen = _kept_associations(rivalled.associations, least)
     every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)), squared=np.zeros(0))  # only those of `seen` count
     rivalled = rivalled._replace(associations=every)
     speaks = _evidence(seen, images, working, method)
-    speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
     speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
     every, seen = (one._replace(id=rivalled.pieces(one.id, one.frame)) for one in (every, seen))
     return_memory()

@@ -1,4 +1,4 @@
-"""What the tracks of a first pass tell of the cameras: less noise than was taken, and a rig that fits them better."""
+"""What the tracks of a first pass tell of the cameras: a rig that fits them better."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from .candidate_points import fundamentals
 from .detection_index import Images, read_images
 from .images_beside import with_images_beside
 from .measurement_noise import Noise, learn_noise
-from .noise_of_tracks import excess
 from .rig_of_tracks import rig_of_tracks
 from .simultaneous_method import Simultaneous
 from .solved_points import Working
@@ -29,15 +28,6 @@ def with_noise(images: Images, method: Simultaneous) -> tuple[Images, Noise]:
     return learn_noise(images, fundamentals(images.P), method.gate)
 
 
-def less_noisy(
-    detections: Detections, images: Images, held: list[Working], tracks: Tracks, method: Simultaneous
-) -> tuple[Working, bool]:
-    """With the noise of the images as the points of the first pass have it, where that is less, which is also told."""
-    working = held.pop()
-    more = excess(tracks.cloud.detection.T, working.images)
-    return (working._replace(images=working.images.noisier(-more)), True) if more.any() else (working, False)
-
-
 def of_tracks(
     detections: Detections, images: Images, held: list[Working], tracks: Tracks, method: Simultaneous
 ) -> tuple[Working, bool]:
@@ -55,8 +45,10 @@ def of_tracks(
     usable, believed = working.images.usable, images.stated and not working.noise.added.any()
     before = float(np.median(working.images.variance[usable])) if len(tracks.cloud) else 0.0
     whole = with_images_beside(tracks, working.images)
-    detection, lines_tell = whole.cloud.detection.T, whole is tracks and not believed
-    rig = rig_of_tracks(detection, working.images, working.rig, least=np.sqrt(before) if believed else 0.0)
+    lines_tell = whole is tracks and not believed
+    rig = rig_of_tracks(
+        whole.cloud.detection.T, working.images, working.rig, least=np.sqrt(before) if believed else 0.0
+    )
     if rig is working.rig:
         return working, False
     index, aside = working.images.by_cell, working.images.uv is not images.uv  # those of the rig as given are kept
@@ -64,7 +56,6 @@ def of_tracks(
     del index
     working = working._replace(images=working.images.unplaced()) if aside else working
     moved, noise = with_noise(read_images(detections, rig, images.timing, other=images), method)
-    moved = moved.noisier(-excess(detection, moved))
     if lines_tell and np.median(moved.variance[usable]) > OF_TRACKS_RATIO * before:
         del moved
         images = working.images.placed(detections, working.rig, order, first) if aside else working.images

@@ -9,8 +9,8 @@ lost. Where two cameras alone see a track, what explains one of its images bette
 Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
 points (`second_pass`). What an impact ended is stitched after it (`impacts`), as what is smooth across it is wrong.
 
-Noise that the tracks contradict is learned anew from them (`noise_of_tracks`), and a rig adjusted to them takes the
-place of the one before where the images agree better with it (`rig_of_tracks`); the first pass is then done again.
+A rig adjusted to the tracks takes the place of the one before where the images agree better with it (`rig_of_tracks`);
+the first pass is then done again.
 Merged images that a file does not mark are inferred from the tracks (`unmarked_merging`).
 
 Where its images tell little, a point is given as its motion says (`solved_points`).
@@ -66,7 +66,7 @@ from .solved_points import (
 )
 from .standing_noise import lasting_variance
 from .stitch import Stitch, stitched
-from .told_by_tracks import less_noisy, of_tracks, with_noise
+from .told_by_tracks import of_tracks, with_noise
 from .unfitting_stretches import Stretch
 from .unmarked_merging import Merging, with_merging_in_images
 
@@ -205,10 +205,10 @@ def _learned(
     working, method = working._replace(images=moving.images), moving.method
     del moving
     first = _first_pass(detections, images, working, method, errors)
-    for learned in () if broken else (less_noisy, of_tracks):  # tracks that break need the room they have
+    if not broken:  # tracks that break need the room they have
         held = [working]
         del working  # its places are given up while another rig's are looked at
-        working, better = learned(detections, images, held, Tracks(first.cloud, first.id), method)
+        working, better = of_tracks(detections, images, held, Tracks(first.cloud, first.id), method)
         if better:
             del first  # before there are two in memory
             return_memory()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from kinemark.geometry import project
+from kinemark.numerics.robust import plane_scale
 from kinemark.track.simultaneous import track_detections
 from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
@@ -141,3 +142,16 @@ def test_stated_noise_that_pairs_of_cameras_do_not_contradict_but_three_images_d
     count = tally(made, track_detections(made.detections, made.rig))
     assert count.more_found > 0.998 * count.more  # 0.914 with the rig as given
     assert count.ghosts <= 0.02 * count.frames  # 1.03
+
+
+@pytest.mark.parametrize(("cameras", "left"), [(3, 1 / 2), (4, 5 / 8)])
+def test_a_point_fits_a_part_of_the_noise_that_images_state(cameras, left):
+    """Of four images of a point eight coordinates are noisy, and five are left in its residuals."""
+    detections, detection = seen(cameras)
+    wrong = off(ring(cameras), 1.0, np.random.default_rng(1))
+    images = read_images(detections, wrong)
+    detection = detection[:, (detection >= 0).all(0)]
+    squared = intersect(images, detection).squared * images.variance[detection]
+    noise = plane_scale(np.sqrt(squared).ravel()) / np.sqrt(left)
+    assert rig_of_tracks(detection, images, wrong, least=0.85 * noise) is not wrong
+    assert rig_of_tracks(detection, images, wrong, least=1.05 * noise) is wrong

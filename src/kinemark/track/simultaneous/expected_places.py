@@ -18,14 +18,12 @@ from ...data import Cloud, Detections, Rig, Tracks
 from ...data.array_types import Bools, Ints
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors, usable_points
 from ...native import inverse
-from .associate import associate, information, predict_images
 from .candidate_points import intersect
-from .detection_index import Images
 from .facts import tracked_images
 from .kalman_states import KalmanStates, initial_states, predict, reversed_time, update
 from .learned_delays import VOLUME_MARGIN
 from .neighbouring_points import RowsByTrack, TrackPoints, between, motion_from, rows_near
-from .passes import without_outliers
+from .second_pass import images_where_expected
 from .simultaneous_method import DEFAULT, Simultaneous
 from .solved_points import Working, precise_enough, solved, solver_for
 
@@ -80,7 +78,7 @@ def points_where_expected(
     points = known
     for _ in range(ITERATIONS):
         motion = _motion(points, expected.take(left), T, at.method)
-        detection = _associated(images, free, expected.frame[left], motion, at.method)
+        detection = images_where_expected(images, free, expected.frame[left], motion, at.method)
         place = intersect(images, detection)
         xyz, cov = place.xyz.T, place.cov.transpose(2, 0, 1)
         good = ((detection >= 0).sum(0) >= 2) & np.isfinite(xyz).all(1) & np.isfinite(cov).all((1, 2))
@@ -156,16 +154,3 @@ def _from(known: TrackPoints, frame: Ints, point: Ints, way: int, T: float, meth
     near = rows_near(RowsByTrack.of(known.frame, known.id), known.id[ends], known.frame[ends], way)
     motion = motion_from(known, near, known.xyz[ends].T, T, method).take(which)
     return predict(motion, np.where(point >= 0, np.abs(frame - known.frame[point]), 0) * T, method.process_noise)
-
-
-def _associated(images: Images, free: Bools, frame: Ints, expected: KalmanStates, method: Simultaneous) -> Ints:
-    """(C, n) the free images associated; none where the place is not known to `uncertain_sd`."""
-    detection = np.full((len(images.P), len(frame)), -1)
-    near = np.flatnonzero(np.sqrt(np.trace(expected.cov)) < method.uncertain_sd)
-    near = near[np.argsort(frame[near], kind="stable")]
-    some = expected.take(near)
-    seen = predict_images(images.P, some)
-    association = associate(images, free, frame[near], seen, method.gate)
-    after = update(some, *information(images, seen, association))
-    detection[:, near] = without_outliers(images, method.gate, some, seen, association, after).association.detection
-    return detection

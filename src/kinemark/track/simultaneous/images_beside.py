@@ -10,7 +10,7 @@ other three, and no track takes them. Then no point ties that camera to the othe
 
 of several the nearest, of the image and of the point. Lines of cameras that do not stand in a row cross at the point
 itself, where a track finds its image. So there are few such images elsewhere, and where fewer than MANY of the points
-have one, none is taken. Two tracks of such images are twins (`twin_tracks`).
+have one, none is taken.
 """
 
 from __future__ import annotations
@@ -20,9 +20,16 @@ from dataclasses import replace
 import numpy as np
 
 from ...data import Tracks
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
+from .candidate_points import fundamentals
 from .detection_index import Images
-from .twin_tracks import BESIDE, lines_meet
+
+BESIDE = 10.0
+"""px of (1); chosen, as `measurement_noise.MAX_DISTANCE`."""
+
+GATE = 4.0
+"""Standard deviations of (1); chosen: lines of a row whose file is off agree, those of markers on two sides of a plate
+do not."""
 
 MANY = 0.15
 """Share of all points; chosen: rows that gained had 0.19 to 0.95; of eight below two gained, five samples and two;
@@ -66,7 +73,20 @@ def _beside(c: int, frame: Ints, xyz: Floats, detection: Ints, images: Images) -
     row, image = row[order], image[order]
     other = np.full((len(images.P), len(row)), -1)
     other[c] = image
-    meet = lines_meet(images.P, detection[:, row], other, images.uv, images.variance)
+    meet = _lines_meet(images.P, detection[:, row], other, images.uv, images.variance)
     row, image = row[meet], image[meet]
     nearest = np.intersect1d(np.unique(row, return_index=True)[1], np.unique(image, return_index=True)[1])
     return row[nearest], image[nearest]
+
+
+def _lines_meet(P: Floats, one: Ints, other: Ints, uv: Floats, variance: Floats) -> Bools:
+    """(n) whether images (C, n) of one point and others (C, n) meet each other's lines within GATE."""
+    meet, F = np.ones(one.shape[1], bool), fundamentals(P)
+    for r, s in np.argwhere(~np.eye(len(P), dtype=bool)):
+        rows = np.flatnonzero((one[r] >= 0) & (other[s] >= 0))
+        i, j = one[r, rows], other[s, rows]
+        x, y = (np.column_stack([uv[own], np.ones(len(own))]) for own in (i, j))
+        line, back = x @ F[r, s].T, y @ F[r, s]
+        of_noise = (back[:, :2] ** 2).sum(1) * variance[i] + (line[:, :2] ** 2).sum(1) * variance[j]
+        meet[rows] &= (line * y).sum(1) ** 2 < GATE**2 * of_noise
+    return meet

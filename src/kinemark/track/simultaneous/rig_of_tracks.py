@@ -82,7 +82,7 @@ def rig_of_tracks(detection: Ints, images: Images, rig: Rig, *, least: float = 0
     """The rig by (2), of points with these detections (C, S), −1 for none; the same object where it gains nothing.
 
     Args:
-        least: px, σ of (2) up to which images agree as well as they say, and the rig stays as it was.
+        least: px, noise of images up to which they agree as well as they say, and the rig stays as it was.
     """
     own = (detection >= 0) & ~images.merged[detection]
     rows = np.flatnonzero(own.sum(0) >= FEWEST_IMAGES)
@@ -98,7 +98,7 @@ def rig_of_tracks(detection: Ints, images: Images, rig: Rig, *, least: float = 0
     equations = _equations(weighted, theta, np.ones(len(rig)))
     xyz = xyz + (block_inverses(equations.V[0]) @ equations.h[0][..., None])[..., 0]  # the points alone
     weighted, before = _weighted(image_derivatives(rig, xyz, uv, depth), seen)
-    if before <= least:
+    if before <= least * np.sqrt(1 - 3 * len(xyz) / (2 * seen.sum())):  # a point fits three of its coordinates
         return rig
     usual = USUAL_SPREAD * before / np.array([camera.K[0, 0] for camera in rig])  # (3)
     for _ in range(STEPS):

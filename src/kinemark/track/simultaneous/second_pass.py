@@ -126,7 +126,7 @@ def points_between(
         for part in parts_of_frames(in_question.frame, AT_ONCE):  # the images of a frame are associated together
             tell(1, 2)
             expected = _expected(known, in_question.take(part), T, method)
-            associated[:, part] = _associated(images, free, in_question.frame[part], expected, method)
+            associated[:, part] = images_where_expected(images, free, in_question.frame[part], expected, method)
         place = intersect(images, associated)
         new = TrackPoints(in_question.frame, in_question.id, place.xyz.T, place.cov.transpose(2, 0, 1))
         good = ((associated >= 0).sum(0) >= 2) & np.isfinite(new.xyz).all(1) & np.isfinite(new.cov).all((1, 2))  # (2)
@@ -167,7 +167,7 @@ def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T
         off = points.xyz[own].T - expected.position
         N = inverse(expected.cov + points.cov[own].transpose(1, 2, 0))
         elsewhere = (off * np.einsum("ijt,jt->it", N, off)).sum(0) > method.gate**2
-        instead = _associated(images, free, in_question.frame[part], expected, method)
+        instead = images_where_expected(images, free, in_question.frame[part], expected, method)
         wrong[own] = elsewhere | ((instead >= 0).sum(0) >= SOUND)
     return wrong
 
@@ -221,7 +221,9 @@ def _expected(known: KnownPoints, in_question: FramesInQuestion, T: float, metho
     return KalmanStates(*(np.select(one_sided, each[:2], each[2]) for each in zip(before, after, both, strict=True)))
 
 
-def _associated(images: Images, free: Bools, frame: Ints, expected: KalmanStates, method: Simultaneous) -> Ints:
+def images_where_expected(
+    images: Images, free: Bools, frame: Ints, expected: KalmanStates, method: Simultaneous
+) -> Ints:
     """(C, N) the images associated in frames (N) that fit one another; none where the standard deviation exceeds
     `uncertain_sd`."""
     detection = np.full((len(images.P), len(frame)), -1)

@@ -1,4 +1,4 @@
-"""What the tracks of a first pass tell of the cameras: less noise than was taken, and a rig that fits them better."""
+"""What the tracks of a first pass tell of the cameras: a rig that fits them better."""
 
 from __future__ import annotations
 
@@ -9,11 +9,9 @@ from .candidate_points import fundamentals
 from .detection_index import Images, read_images
 from .images_beside import with_images_beside
 from .measurement_noise import Noise, learn_noise
-from .noise_of_tracks import excess
 from .rig_of_tracks import rig_of_tracks
 from .simultaneous_method import Simultaneous
 from .solved_points import Working
-from .twin_tracks import joined_twins
 
 OF_TRACKS_RATIO = 1.2
 """Of the variance that lines say with the rig before, the most that they say with the rig adjusted to tracks, where it
@@ -30,15 +28,6 @@ def with_noise(images: Images, method: Simultaneous) -> tuple[Images, Noise]:
     return learn_noise(images, fundamentals(images.P), method.gate)
 
 
-def less_noisy(
-    detections: Detections, images: Images, held: list[Working], tracks: Tracks, method: Simultaneous
-) -> tuple[Working, bool]:
-    """With the noise of the images as the points of the first pass have it, where that is less, which is also told."""
-    working = held.pop()
-    more = excess(tracks.cloud.detection.T, working.images)
-    return (working._replace(images=working.images.noisier(-more)), True) if more.any() else (working, False)
-
-
 def of_tracks(
     detections: Detections, images: Images, held: list[Working], tracks: Tracks, method: Simultaneous
 ) -> tuple[Working, bool]:
@@ -47,8 +36,8 @@ def of_tracks(
     Lines of two cameras need not agree better, only not clearly worse: where cameras stand in a row, they do not tell.
     Noise that is stated, and that no pair of cameras contradicts, is no less by another rig. There the rig is adjusted
     where three images disagree by more than that: lines of two cameras do not tell how far one stands from the other,
-    and where all stand in a row no pair of them does. So it is where a marker has two tracks for that (`twin_tracks`),
-    or the points lack the images of a camera (`images_beside`).
+    and where all stand in a row no pair of them does. So it is where points lack the images of a camera
+    (`images_beside`).
 
     The list of the one before is empty afterwards, so that its places and the other ones are not in memory at once.
     """
@@ -56,9 +45,10 @@ def of_tracks(
     usable, believed = working.images.usable, images.stated and not working.noise.added.any()
     before = float(np.median(working.images.variance[usable])) if len(tracks.cloud) else 0.0
     whole = with_images_beside(tracks, working.images)
-    detection = joined_twins(whole, working.images.uv, working.images.variance, working.images.P)
-    lines_tell = not believed and whole is tracks and detection.shape[1] == len(tracks.cloud)
-    rig = rig_of_tracks(detection, working.images, working.rig, least=np.sqrt(before) if believed else 0.0)
+    lines_tell = whole is tracks and not believed
+    rig = rig_of_tracks(
+        whole.cloud.detection.T, working.images, working.rig, least=np.sqrt(before) if believed else 0.0
+    )
     if rig is working.rig:
         return working, False
     index, aside = working.images.by_cell, working.images.uv is not images.uv  # those of the rig as given are kept
@@ -66,7 +56,6 @@ def of_tracks(
     del index
     working = working._replace(images=working.images.unplaced()) if aside else working
     moved, noise = with_noise(read_images(detections, rig, images.timing, other=images), method)
-    moved = moved.noisier(-excess(detection, moved))
     if lines_tell and np.median(moved.variance[usable]) > OF_TRACKS_RATIO * before:
         del moved
         images = working.images.placed(detections, working.rig, order, first) if aside else working.images

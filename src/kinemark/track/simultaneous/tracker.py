@@ -1,28 +1,28 @@
 """Kinemark's own tracker: matching and tracking at once.
 
 The paper of the Kiss system (Shafiq, Tümer and Güler 2001) notes that no method had been reported that does both at the
-same time. Here the tracks, predicted with their covariance (`kalman_states`), are associated with images in all cameras
-(`associate`). Images that no track has initiate new tracks (`candidate_points`, `initiate`). Tracks go forwards and
-then backwards (`passes`), and each point is solved from its images as by the other methods
-(`geometry.weighted_points`). A track is confirmed by its evidence (`likelihood`), and so is what it finds after it was
-lost. Where two cameras alone see a track, what explains one of its images better takes its place (`rival_pairs`).
-Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
-points (`second_pass`). What an impact ended is stitched after it (`impacts`), as what is smooth across it is wrong.
+same time. The order of the work:
 
-Noise that the tracks contradict is learned anew from them (`noise_of_tracks`), and a rig adjusted to them takes the
-place of the one before where the images agree better with it (`rig_of_tracks`); the first pass is then done again.
-Merged images that a file does not mark are inferred from the tracks (`unmarked_merging`).
-
-Where its images tell little, a point is given as its motion says (`solved_points`).
-
-Images of other markers, and the points that they make, are given up before the second pass, which looks for better
-ones, and after it (`given_up_points`). Images that are left make new tracks where they do not drift
-(`remaining_images`). Tracks of a rigid body that breaks are told by their place on it (`rigid_pass`).
-
-Images are associated with an adjusted rig (`adjusted_rig`, `rig_of_tracks`), where they agree better with it (1). What
-agrees may be chance meetings, which stay for many frames where many markers move slowly; but no tracks come of them, so
-the rig as given is used where parts of the recording are tracked with far more images by it (2). Positions are those of
-the rig as given.
+1. Images are read by the rig as given, and their noise is learned (`measurement_noise`). They are associated with an
+   adjusted rig (`adjusted_rig`) where they agree better with it (1). What agrees may be chance meetings, which stay for
+   many frames where many markers move slowly; but no tracks come of them, so the rig as given is used where parts of
+   the recording are tracked with far more images by it (2). These parts tell how markers move (`motion_scale`).
+2. First pass: tracks, predicted with their covariance (`kalman_states`), are associated with images in all cameras
+   (`associate`), forwards and then backwards (`passes`). Images that no track has initiate new tracks (`initiate`).
+   Where two cameras alone see a track, what explains one of its images better takes its place (`rival_pairs`). A track
+   is confirmed by its evidence (`likelihood`). Its points are solved from their images, or as its motion says where
+   these tell little (`solved_points`).
+3. A rig adjusted to the tracks takes the place of the one before where the images agree better with it
+   (`rig_of_tracks`), and 2 is done again.
+4. Fragments of one marker's trajectory are stitched (`stitch`).
+5. Merged images that a file does not mark are inferred (`unmarked_merging`); they, and images of other markers, are
+   given up with the points that they make (`given_up_points`).
+6. Images that are left make new tracks where they do not drift (`remaining_images`). The second pass looks for missing
+   and uncertain points (`second_pass`), and 5 is done again.
+7. Tracks of a rigid body that breaks are told by their place on it (`rigid_pass`).
+8. Positions are solved by the rig as given.
+9. What an impact ended is joined after it (`impacts`), as what is smooth across it is wrong; so is what companions tell
+   (`companions`). Tracks that go on as each other are changed back (`exchanged_tails`).
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ from .solved_points import (
 )
 from .standing_noise import lasting_variance
 from .stitch import Stitch, stitched
-from .told_by_tracks import less_noisy, of_tracks, with_noise
+from .told_by_tracks import of_tracks, with_noise
 from .unfitting_stretches import Stretch
 from .unmarked_merging import Merging, with_merging_in_images
 
@@ -204,15 +204,15 @@ def _learned(
     broken = moving.images is not working.images or moving.method.process_noise < method.process_noise
     working, method = working._replace(images=moving.images), moving.method
     del moving
-    first = _first_pass(detections, rig, images, working, method, errors)
-    for learned in () if broken else (less_noisy, of_tracks):  # tracks that break need the room they have
+    first = _first_pass(detections, images, working, method, errors)
+    if not broken:  # tracks that break need the room they have
         held = [working]
         del working  # its places are given up while another rig's are looked at
-        working, better = learned(detections, images, held, Tracks(first.cloud, first.id), method)
+        working, better = of_tracks(detections, images, held, Tracks(first.cloud, first.id), method)
         if better:
             del first  # before there are two in memory
             return_memory()
-            first = _first_pass(detections, rig, images, working, method, errors)
+            first = _first_pass(detections, images, working, method, errors)
     return _waiting(images, working, rig), noise, working, method, first
 
 
@@ -260,7 +260,7 @@ class FirstPass(NamedTuple):
 
 
 def _first_pass(
-    detections: Detections, rig: Rig, images: Images, working: Working, method: Simultaneous, errors: ImageErrors
+    detections: Detections, images: Images, working: Working, method: Simultaneous, errors: ImageErrors
 ) -> FirstPass:
     """The tracks that are confirmed, their points solved, before any is stitched."""
     T = 1 / detections.rate
@@ -301,21 +301,14 @@ def _followed(
     every = run(working.images, rate, method, lasting_variance(working.images, F, T, method.gate))
     evident, columns = ~_without_evidence(every, _unshared(every, images), least, method), list(every)
     del every
-    every = Associations.of(columns, evident)
+    columns = list(Associations.of(columns, evident))
     return_memory()
-    bare = every._replace(before=np.zeros(0), xyz=np.zeros((3, 0)), cov=np.zeros((3, 3, 0)))
-    sure = _evidence(_kept_associations(bare, least), images, working, method) > SURE
-    del bare
-    return_memory()
-    columns = list(every)
-    del every
     rivalled = without_rivalled(columns, working.images, F, T, method)
     return_memory()
     seen = _kept_associations(rivalled.associations, least)
     every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)), squared=np.zeros(0))  # only those of `seen` count
     rivalled = rivalled._replace(associations=every)
     speaks = _evidence(seen, images, working, method)
-    speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
     speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
     every, seen = (one._replace(id=rivalled.pieces(one.id, one.frame)) for one in (every, seen))
     return_memory()

@@ -106,13 +106,14 @@ def without_rivalled(
     The list is empty afterwards, so that no column is in memory twice.
     """
     every = Associations(*columns)
-    stretch = stretches(every.frame, every.id, every.detection)
+    alone = images.own(every.detection)
+    stretch = stretches(every.frame, every.id, alone)
     held = every.detection[:, (every.detection >= 0).sum(0) >= 2]
     free = images.usable.copy()
     free[held[held >= 0]] = False
     taken = np.zeros(len(free), bool)
-    rivals = near_rivals(every.frame, every.detection, stretch, images, free, F, method.gate)
-    own = _squared(images, every.detection, np.flatnonzero(stretch >= 0))
+    rivals = near_rivals(every.frame, alone, stretch, images, free, F, method.gate)
+    own = _squared(images, alone, np.flatnonzero(stretch >= 0))
     won: list[Rivals] = []
     gone: list[Ints] = []
     likelier = _by_drift(_chains(rivals, stretch, own, images, T, method), rivals, every, images, method.gate)
@@ -201,7 +202,7 @@ def _by_drift(
     score, chains = np.array([one for one, _ in found]), [chain for _, chain in found]
     of, pair = np.repeat(np.arange(len(found)), [len(chain) for chain in chains]), np.concatenate(chains)
     frame, kept, free = (column[pair] for column in (images.frame[rivals.kept], rivals.kept, rivals.free))
-    held = np.sort(every.detection[:, rivals.row[pair]], axis=0)[-2:]
+    held = np.sort(images.own(every.detection[:, rivals.row[pair]]), axis=0)[-2:]
     usual = usual_residuals(every.frame, every.id, every.detection, images, gate)
     stretch = scores_of_runs(held, frame, of, len(found), images, usual, gate)
     rival = scores_of_runs(np.stack([kept, free]), frame, of, len(found), images, usual, gate)

@@ -137,17 +137,15 @@ def _without_drifting(
     frame, gate, T = cloud.frame, method.gate, 1 / cloud.rate
     detection = without_strangers(frame, ids, cloud.detection.T, images, usual, gate)
     return_memory()
-    sound = ~drifting(frame, ids, images.own(detection), images, usual, gate)
+    sound = ~drifting(frame, ids, detection, images, usual, gate)
     rest = np.flatnonzero(sound)  # of these copies none outlives its call
     r = merging.resolution
-    own = images.own(detection[:, rest])
-    sound[rest] = ~drifting_beyond(frame[rest], ids[rest], own, images, usual, r, gate, T)
+    sound[rest] = ~drifting_beyond(frame[rest], ids[rest], detection[:, rest], images, usual, r, gate, T)
     return_memory()
     rest = np.flatnonzero(sound)
     detection[:, rest] = with_exchanged(frame[rest], ids[rest], detection[:, rest], images, usual, gate)
-    own = images.own(detection[:, rest])
-    sound[rest] = ~chance_meetings(frame[rest], ids[rest], own, images, usual, r, gate)
-    del frame, rest, own
+    sound[rest] = ~chance_meetings(frame[rest], ids[rest], detection[:, rest], images, usual, r, gate)
+    del frame, rest
     return_memory()
     sound = ~with_rest(~sound, ids, (images.own(detection) >= 0).sum(0))
     return np.ascontiguousarray(detection.T), sound

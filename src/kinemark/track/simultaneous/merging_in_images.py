@@ -9,14 +9,14 @@ r of y_a + v_a, and b goes on in an image that lies between y_a + v_a and y_b + 
 
 with L the distance of both, c L how far it lies along it, and d how far beside it. That image and those in which it
 goes on are of both, until one without a past is born within NEAR r of them. Backwards in time the same holds of images
-that come apart. Where one of the two vanishes behind a limb, the image jumps from the middle of both to the other. So they
-are of both up to where
+that come apart. Where one of the two vanishes behind a limb, the image jumps from the middle of both to the other, by
+more than
 
-    |y′ − y − v| > JUMP r + 2 m                                                              (3)
+    |y′ − y − v| = JUMP r + 2 m                                                              (3)
 
-with y′ that in which y goes on, v the mean step of a and b at first, and m the median of all |y′ − y − v|. What both
-ways tell is merged, and so are the first LONGEST frames after either. Where (3) is more than SHOWS r no jump would
-show, and only the first MOST are: later, one of the two is as often hidden as merged.
+with y′ the image in which y goes on, v at first the mean step of a and b, and m the median of |y′ − y − v|. From there
+on it is of one. What both ways tell is merged, and so are the first LONGEST frames after either. Where (3) is more than
+SHOWS r no jump would show, and only the first MOST are: later, one of the two is as often hidden as merged.
 
 The tracker gives these images the variance (r / 4)², as they lie anywhere within r / 2 of either marker. What tracks
 tell of others (`unmarked_merging`) comes on top of it.

@@ -174,7 +174,7 @@ def _regular(known: list[Usual]) -> bool:
 
 
 def drifting(frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float) -> Bools:
-    """(P) the points of two images of tracks id (P) that are given up, of detections (C, P); merged ones do not count."""
+    """(P) the points of two images, merged ones left out, of tracks id (P) that are given up; detections (C, P)."""
     number = (images.own(detection) >= 0).sum(0)
     out = _judged(frame, id, detection, number == 2, images, usual, gate).of_two
     return with_rest(out, id, number)

@@ -15,8 +15,9 @@ more than
     |y′ − y − v| = JUMP r + 2 m                                                              (3)
 
 with y′ the image in which y goes on, v at first the mean step of a and b, and m the median of |y′ − y − v|. From there
-on it is of one. What both ways tell is merged, and so are the first LONGEST frames after either. Where (3) is more than
-SHOWS r no jump would show, and only the first MOST are: later, one of the two is as often hidden as merged.
+on it is of one. What both ways tell is merged, and so are the first FAR frames after either. Where (3) is more than
+SHOWS r no jump would show. Then only what both ways tell within LONGEST frames is merged, and the first MOST after
+either: later, one of the two is as often hidden as merged.
 
 The tracker gives these images the variance (r / 4)², as they lie anywhere within r / 2 of either marker. What tracks
 tell of others (`unmarked_merging`) comes on top of it.
@@ -46,9 +47,11 @@ JUMP, SHOWS = 0.1, 0.3
 """Of (3), in r; chosen: of images beyond such a jump two to six in a hundred are merged ones, on eight scenes of four
 cameras (700042 to 860129). Where it is more than SHOWS, noise hides that one marker vanishes; chosen: half of r / 2 and
 a little more."""
-LONGEST, MOST = 40, 8
-"""Frames; chosen: of images 30 to 40 after a merging, without a jump, four in five are merged ones; where jumps do not
-show, of those up to 8 as many, and of later ones one in three."""
+FAR = 40
+"""Frames, where a jump shows; chosen: of images 30 to 40 after a merging, without a jump, four in five are merged."""
+LONGEST, MOST = 20, 8
+"""Frames, where it does not; chosen: of images up to MOST after a merging four in five are merged ones, of later ones
+one in three, but for those up to LONGEST from merging and parting, of which five in six are."""
 
 
 class _Links(NamedTuple):
@@ -69,8 +72,8 @@ def merged_in_images(images: Images, r: float) -> Bools:
     if error > SURE * r:
         return np.zeros(len(images.uv), bool)
     jump = JUMP * r + 2 * error  # (3)
-    after, before = _since(images, links, 1, r, jump), _since(images, links.reversed(), -1, r, jump)
-    most = LONGEST if jump < SHOWS * r else MOST
+    longest, most = (FAR, FAR) if jump < SHOWS * r else (LONGEST, MOST)
+    after, before = (_since(images, of, way, r, jump, longest) for of, way in ((links, 1), (links.reversed(), -1)))
     soon = [(age >= 0) & (age < most) for age in (after, before)]
     return np.asarray(((after >= 0) & (before >= 0)) | soon[0] | soon[1])
 
@@ -130,10 +133,10 @@ def _cells(images: Images, rows: Ints, step: int) -> tuple[Ints, Bools]:
     return np.where(inside, frame, 0) * len(images.P) + images.camera[rows], inside
 
 
-def _since(images: Images, links: _Links, step: int, r: float, jump: float) -> Ints:
-    """(D) frames since two images ran together in each; −1 where they did not."""
+def _since(images: Images, links: _Links, step: int, r: float, jump: float, longest: int) -> Ints:
+    """(D) frames since two images ran together in each, fewer than `longest`; −1 where they did not."""
     age, (now, v) = np.full(len(images.uv), -1), _begins(images, links, step, r)
-    for n in range(LONGEST):
+    for n in range(longest):
         if n:
             parted = _parted(images, links, now, r)
             now, v = now[~parted], v[~parted]

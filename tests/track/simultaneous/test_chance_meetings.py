@@ -103,12 +103,20 @@ def test_of_a_short_track_less_is_enough():
     assert not Meeting().without(ONE, 2).without(OTHER, 3).alone(PART[:4]).given_up()
 
 
-def test_merged_images_are_not_judged():
+def test_a_point_of_a_merged_image_is_not_judged_and_those_beside_it_are():
     meeting = Meeting()
     merged = np.zeros(len(meeting.images.uv), bool)
     merged[meeting.whole[0, ONE, PART[3]]] = True
     meeting.images = meeting.images._replace(merged=merged)
-    assert not meeting.given_up()
+    assert meeting.given_up() == np.delete(PART, 3).tolist()
+
+
+def test_a_merged_image_makes_no_third_of_a_meeting():
+    meeting = Meeting()
+    merged, third = np.zeros(len(meeting.images.uv), bool), meeting.whole[2, OTHER, PART]
+    merged[third], meeting.detection[2, np.isin(meeting.frame, PART) & (meeting.id == ONE)] = True, third
+    meeting.images = meeting.images._replace(merged=merged)
+    assert meeting.given_up() == PART.tolist()
 
 
 def test_ghosts_of_images_that_have_rivals_are_not_given():

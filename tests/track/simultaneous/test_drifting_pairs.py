@@ -185,6 +185,15 @@ def test_of_several_images_the_one_that_drifts_past_the_others_is_given_up(image
     assert len(gone) >= 0.8 * len(PART)
 
 
+def test_a_merged_image_does_not_tell_which_of_two_is_the_stranger():
+    one = Recording().off(PART, 1.5 * TIME)
+    one.detection[2, PART] = one.whole[2, PART]
+    merged = one.images.merged.copy()
+    merged[one.whole[2, PART]] = True
+    one.images = one.images._replace(merged=merged)
+    np.testing.assert_array_equal(one.without_strangers(), one.detection)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_of_several_images_of_one_marker_all_stay(seed):
     recording = Recording(seed=seed)

@@ -3,13 +3,14 @@
 import numpy as np
 
 from kinemark.geometry.weighted_points import DEFAULT_ERRORS
-from kinemark.track.simultaneous import Simultaneous
+from kinemark.track.simultaneous import Simultaneous, track_with_decisions
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.given_up_points import _of_fewer_images
 from kinemark.track.simultaneous.measurement_noise import Noise
 from kinemark.track.simultaneous.solved_points import Solver, Working, solved
 from support.laboratory import observe, ring
 from support.motions import dance
+from support.scenes import make, scene, tally
 
 MARKERS, FRAMES, NOISE = 3, 20, 0.1
 LESS, GONE = np.arange(5, 15), np.arange(8, 12)
@@ -59,3 +60,11 @@ def test_a_point_that_loses_an_image_and_is_given_up_moves_no_other():
     again = solved(frame[sound & changed], fewer[sound & changed].T, before.xyz[sound & changed].T, solver)
     np.testing.assert_allclose(after.xyz[changed[sound]], again.xyz, atol=1e-6)
     assert not (again.xyz == before.xyz[sound & changed]).any()
+
+
+def test_two_markers_images_that_meet_a_merged_one_of_both_are_given_up():
+    """Two cameras see one of either, and a third camera both in one image, which the file marks."""
+    one = make(scene(2147))
+    counts = tally(one, *track_with_decisions(one.detections, one.rig))
+    assert counts.ghosts <= 20  # 51 where the merged image counts as a third
+    assert counts.two_found > 0.97 * counts.two and counts.more_found > 0.995 * counts.more

@@ -8,7 +8,7 @@ import pytest
 from kinemark.data import Camera, Detections, Rig
 from kinemark.track.simultaneous import track_simultaneously, unmarked_merging
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.merging_in_images import merged_in_images
+from kinemark.track.simultaneous.merging_in_images import MOST, merged_in_images
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
 from kinemark.track.simultaneous.unmarked_merging import with_merging_in_images
 from support.scenes import make, scene, tally
@@ -42,6 +42,33 @@ def test_images_that_run_together_and_apart_are_merged_ones():
 def test_an_image_that_is_hidden_or_passes_is_no_merged_one(only):
     detections, _ = passing(20, together=False, only=only)
     assert not merged_in_images(read_images(detections, RIG), R).any()
+
+
+def side_by_side(frames, begin, vanish):
+    """Two images that come to 6 px of each other and go on so, one in the middle from frame `begin` on; from `vanish`
+    on one of the two alone. And which images are of both."""
+    apart = np.maximum(6.0, 6.0 + 2.0 * (begin + 0.5 - np.arange(frames)))
+    along = np.stack([300.0 + 4.0 * np.arange(frames), np.full(frames, 400.0)], 1)
+    both = along[:, None] + np.multiply.outer(apart / 2, [[0, 1.0], [0, -1.0]])
+    rows = [*both[:begin], *both[begin:vanish].mean(1, keepdims=True), *both[vanish:, :1]]
+    counts = np.array([[len(part) for part in rows]])
+    truth = np.repeat((np.arange(frames) >= begin) & (np.arange(frames) < vanish), counts[0])
+    return Detections.build(("c",), 100.0, counts, np.vstack(rows)), truth
+
+
+@pytest.mark.parametrize("vanish", [14, 45])
+def test_images_are_merged_until_one_of_both_vanishes(vanish):
+    """Soon, where most that are as near to a merging are merged ones; or long after it."""
+    detections, truth = side_by_side(60, 10, vanish)
+    found = merged_in_images(read_images(detections, RIG), R)
+    np.testing.assert_array_equal(found, truth)
+
+
+def test_where_noise_hides_such_a_jump_only_the_next_images_count():
+    detections, truth = side_by_side(60, 10, 60)
+    uv = detections.uv + np.random.default_rng(1).normal(0, 0.4, detections.uv.shape)
+    found = merged_in_images(read_images(replace(detections, uv=uv), RIG), R)
+    np.testing.assert_array_equal(np.flatnonzero(found), np.flatnonzero(truth)[:MOST])
 
 
 def test_time_backwards_and_shifted_images_tell_the_same():

@@ -59,6 +59,16 @@ def test_a_stretch_is_given_up_for_a_rival_that_fits_better():
     assert not np.isin(after.frame[after.id == 0], new.frame).any()
 
 
+def test_a_merged_image_makes_no_third_of_a_stretch():
+    """It fits the wrong pair as well as the true one."""
+    images, track, detection = made()
+    merged, held = images.merged.copy(), track.detection.copy()
+    merged[detection[3, STRETCH]], held[3, STRETCH] = True, detection[3, STRETCH]
+    after = judged(images._replace(merged=merged), track._replace(detection=held)).associations
+    np.testing.assert_array_equal(after.detection[[0, 2]][:, after.id == 1], detection[[0, 2], STRETCH])
+    assert not np.isin(np.arange(FRAMES)[STRETCH], after.frame[after.id == 0]).any()
+
+
 def test_what_comes_after_a_stretch_that_is_given_up_is_a_piece_of_the_same_track():
     found = judged(*made()[:2])
     after = found.associations

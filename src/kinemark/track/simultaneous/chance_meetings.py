@@ -11,8 +11,8 @@ of `held_beyond`,
 with the mean of the sum over the frames of the stretch, p is the probability that it is a chance meeting (logistic
 regression, Cox 1958). Images of two markers mostly have their true partners on their lines, which no track has, as the
 meeting has taken one image of either. Few images of markers have partners: a third camera that sees the marker is in
-its track. Stretches of more than LIKELY are given up. Those with merged images, and those of cameras of which it is
-not known what is usual, are not judged.
+its track. Stretches of more than LIKELY are given up. Those of cameras of which it is not known what is usual are not
+judged. Merged images do not count: one of two markers fits a meeting of both.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def evidence(
 ) -> tuple[Ints, Floats]:
     """The stretch (P) of each point of tracks id (P), −1 where it is not judged, and of each of N stretches what (1)
     is made of (N, 4), without its coefficients; r px is that of `image_chains`."""
-    usual = usual_of_two(id, detection, images, usual)
+    usual, detection = usual_of_two(id, detection, images, usual), images.own(detection)
     stretch = stretches(frame, id, detection, 1)
     drift = _own_scores(frame, detection, stretch, images, usual, gate)
     stretch[~np.isfinite(np.append(drift, np.nan))[stretch]] = -1
@@ -114,7 +114,7 @@ def usual_of_two(id: Ints, detection: Ints, images: Images, usual: UsualResidual
 def _own_scores(
     frame: Ints, detection: Ints, stretch: Ints, images: Images, usual: UsualResiduals, gate: float
 ) -> Floats:
-    """(N) score(a, b) of (2) of each stretch, NaN where its cameras are not judged, or an image is merged."""
+    """(N) score(a, b) of (2) of each stretch, NaN where its cameras are not judged."""
     out = np.full(int(stretch.max(initial=-1)) + 1, np.nan)
     has = detection >= 0
     for a, b in usual.of:
@@ -123,5 +123,4 @@ def _own_scores(
         both = detection[[a, b]][:, rows]
         some = np.unique(stretch[rows])
         out[some] = scores_of_pair(frame[rows], stretch[rows], both, images, usual, (a, b), gate)[some]
-        out[stretch[rows[images.merged[both].any(0)]]] = np.nan
     return out

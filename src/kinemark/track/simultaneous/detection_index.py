@@ -106,6 +106,10 @@ class Images(NamedTuple):
         """px of some images."""
         return _radius(self.area[rows])
 
+    def own(self, detection: Ints) -> Ints:
+        """Detections (C, P) without merged images, −1 for these: they are of no marker alone."""
+        return np.where((detection >= 0) & ~self.merged[detection], detection, np.int32(-1))
+
     def margin(self, rows: Rows = EVERY) -> Floats:
         """px² that `variance` of some images has for the association alone."""
         return _margin(_centroid_variance(self.cov[rows], self.usual), self.area[rows])

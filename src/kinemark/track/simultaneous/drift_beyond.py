@@ -74,13 +74,14 @@ class _Stretches(NamedTuple):
 def drifting_beyond(
     frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, r: float, gate: float, T: float
 ) -> Bools:
-    """(P) the points of two images of tracks id (P), of detections (C, P), given up, T s from
-    frame to frame; r px is that of `image_chains`."""
+    """(P) the points of two images of tracks id (P), of detections (C, P), given up, T s from frame to frame; merged
+    images do not count. r px is that of `image_chains`."""
+    detection = images.own(detection)
     out, number, most = np.zeros(len(frame), bool), (detection >= 0).sum(0), max(LEAST_BEYOND, round(BEYOND / T))
     never = np.bincount(id, number >= SOUND) == 0
     order = np.flatnonzero(number == 2)
     order = order[np.lexsort([frame[order], id[order]])]
-    own = (detection[:, order] >= 0) & ~images.merged[detection[:, order]]
+    own = detection[:, order] >= 0
     for (a, b), one in usual.of.items():
         rows = order[own[a] & own[b]]
         return_memory()

@@ -174,8 +174,8 @@ def _regular(known: list[Usual]) -> bool:
 
 
 def drifting(frame: Ints, id: Ints, detection: Ints, images: Images, usual: UsualResiduals, gate: float) -> Bools:
-    """(P) the points of two images of tracks id (P) that are given up, of detections (C, P)."""
-    number = (detection >= 0).sum(0)
+    """(P) the points of two images, merged ones left out, of tracks id (P) that are given up; detections (C, P)."""
+    number = (images.own(detection) >= 0).sum(0)
     out = _judged(frame, id, detection, number == 2, images, usual, gate).of_two
     return with_rest(out, id, number)
 
@@ -185,14 +185,14 @@ def without_strangers(
 ) -> Ints:
     """The detections (C, P) of tracks id (P), those of SOUND to MOST_IMAGES without the image that drifts past the
     others (5); in four bytes, as there are many."""
-    detection, number = cast(Ints, detection.astype(np.int32)), (detection >= 0).sum(0)
+    detection, number = cast(Ints, detection.astype(np.int32)), (images.own(detection) >= 0).sum(0)
     which = (number >= SOUND) & (number <= MOST_IMAGES)
     while which.any():
         judged = _judged(frame, id, detection, which, images, usual, gate)
         rows = np.flatnonzero(judged.of_two)
         worst = np.where(detection[:, rows] >= 0, judged.blame[:, rows], -np.inf).argmax(0)
         detection[worst, rows] = -1
-        which = judged.of_two & ((detection >= 0).sum(0) >= SOUND)
+        which = judged.of_two & ((images.own(detection) >= 0).sum(0) >= SOUND)
     return detection
 
 

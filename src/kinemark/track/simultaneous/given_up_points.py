@@ -147,7 +147,7 @@ def _without_drifting(
     sound[rest] = ~chance_meetings(frame[rest], ids[rest], detection[:, rest], images, usual, r, gate)
     del frame, rest
     return_memory()
-    sound = ~with_rest(~sound, ids, (detection >= 0).sum(0))
+    sound = ~with_rest(~sound, ids, (images.own(detection) >= 0).sum(0))
     return np.ascontiguousarray(detection.T), sound
 
 

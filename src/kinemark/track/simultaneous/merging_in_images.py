@@ -9,8 +9,15 @@ r of y_a + v_a, and b goes on in an image that lies between y_a + v_a and y_b + 
 
 with L the distance of both, c L how far it lies along it, and d how far beside it. That image and those in which it
 goes on are of both, until one without a past is born within NEAR r of them. Backwards in time the same holds of images
-that come apart. What both ways tell is merged, and so are the first MOST frames after either: later, one of the two is
-as often hidden as merged.
+that come apart. Where one of the two vanishes behind a limb, the image jumps from the middle of both to the other, by
+more than
+
+    |y′ − y − v| = JUMP r + 2 m                                                              (3)
+
+with y′ the image in which y goes on, v at first the mean step of a and b, and m the median of |y′ − y − v|. From there
+on it is of one. What both ways tell is merged, and so are the first FAR frames after either. Where (3) is more than
+SHOWS r no jump would show. Then only what both ways tell within LONGEST frames is merged, and the first MOST after
+either: later, one of the two is as often hidden as merged.
 
 The tracker gives these images the variance (r / 4)², as they lie anywhere within r / 2 of either marker. What tracks
 tell of others (`unmarked_merging`) comes on top of it.
@@ -36,9 +43,15 @@ BETWEEN, ACROSS = 0.2, 0.25
 SURE = 0.25
 """Up to which share of r images lie beside y + v, in the median; chosen: more of where both were going is not known,
 and images of a plate at 10 Hz (0.8) were marked that are of one marker. Scenes in which it finds merging have 0.2."""
+JUMP, SHOWS = 0.1, 0.3
+"""Of (3), in r; chosen: of images beyond such a jump two to six in a hundred are merged ones, on eight scenes of four
+cameras (700042 to 860129). Where it is more than SHOWS, noise hides that one marker vanishes; chosen: half of r / 2 and
+a little more."""
+FAR = 40
+"""Frames, where a jump shows; chosen: of images 30 to 40 after a merging, without a jump, four in five are merged."""
 LONGEST, MOST = 20, 8
-"""Frames; chosen: of images up to 8 after a merging three in four are merged ones, of all only two in three, on six
-scenes of the second generator (147039 to 147109)."""
+"""Frames, where it does not; chosen: of images up to MOST after a merging four in five are merged ones, of later ones
+one in three, but for those up to LONGEST from merging and parting, of which five in six are."""
 
 
 class _Links(NamedTuple):
@@ -55,10 +68,13 @@ class _Links(NamedTuple):
 def merged_in_images(images: Images, r: float) -> Bools:
     """(D) whether an image is of two markers, where those nearer than r px are one."""
     links = _linked(images)
-    if _step_error(images, links) > SURE * r:
+    error = _step_error(images, links)
+    if error > SURE * r:
         return np.zeros(len(images.uv), bool)
-    after, before = _since(images, links, 1, r), _since(images, links.reversed(), -1, r)
-    soon = [(age >= 0) & (age < MOST) for age in (after, before)]
+    jump = JUMP * r + 2 * error  # (3)
+    longest, most = (FAR, FAR) if jump < SHOWS * r else (LONGEST, MOST)
+    after, before = (_since(images, of, way, r, jump, longest) for of, way in ((links, 1), (links.reversed(), -1)))
+    soon = [(age >= 0) & (age < most) for age in (after, before)]
     return np.asarray(((after >= 0) & (before >= 0)) | soon[0] | soon[1])
 
 
@@ -117,21 +133,25 @@ def _cells(images: Images, rows: Ints, step: int) -> tuple[Ints, Bools]:
     return np.where(inside, frame, 0) * len(images.P) + images.camera[rows], inside
 
 
-def _since(images: Images, links: _Links, step: int, r: float) -> Ints:
-    """(D) frames since two images ran together in each; −1 where they did not."""
-    age, now = np.full(len(images.uv), -1), _begins(images, links, step, r)
-    for n in range(LONGEST):
+def _since(images: Images, links: _Links, step: int, r: float, jump: float, longest: int) -> Ints:
+    """(D) frames since two images ran together in each, fewer than `longest`; −1 where they did not."""
+    age, (now, v) = np.full(len(images.uv), -1), _begins(images, links, step, r)
+    for n in range(longest):
         if n:
-            now = now[~_parted(images, links, now, r)]
-        now = now[age[now] < 0]
+            parted = _parted(images, links, now, r)
+            now, v = now[~parted], v[~parted]
+        new = age[now] < 0
+        now, v = now[new], v[new]
         age[now] = n
-        now = links.on[now]
-        now = now[now >= 0]
+        on = links.on[now]
+        goes = (on >= 0) & (np.hypot(*(images.uv[on] - images.uv[now] - v).T) < jump)  # (3)
+        now = on[goes]
+        v = _steps(images, links, now)
     return age
 
 
-def _begins(images: Images, links: _Links, step: int, r: float) -> Ints:
-    """The images in which two have run together, by (2)."""
+def _begins(images: Images, links: _Links, step: int, r: float) -> tuple[Ints, Floats]:
+    """The images (n) in which two have run together, by (2), and the mean (n, 2) px of the steps of both."""
     ends = _ends(images, links, step, r)
     cell, _ = _cells(images, ends, 0)
     query, other = images.near(cell, images.uv[ends, 0], np.full(len(ends), 2 * NEAR * r))
@@ -142,7 +162,10 @@ def _begins(images: Images, links: _Links, step: int, r: float) -> Ints:
     L = np.maximum(np.hypot(*axis.T), 1e-9)
     along, across = (off * axis).sum(1) / L**2, np.abs(off[:, 0] * axis[:, 1] - off[:, 1] * axis[:, 0]) / L
     between = (np.abs(along - 0.5) < 0.5 - BETWEEN) & (across < ACROSS * L + 1.0)  # (2)
-    return np.unique(common[between & (NEAR * r > L) & (LEAST * r < L)])
+    k = np.flatnonzero(between & (NEAR * r > L) & (LEAST * r < L))
+    common, first = np.unique(common[k], return_index=True)
+    both = [_steps(images, links, of[k[first]]) for of in (one, other)]
+    return common, np.mean(both, axis=0)
 
 
 def _ends(images: Images, links: _Links, step: int, r: float) -> Ints:

@@ -3,8 +3,8 @@
 Where two cameras alone see a marker, the images of two markers now and then lie on each other's epipolar lines for as
 long as both move alike, so no motion, and no distance to other markers, tells such a pair from a marker. But one of its
 images has often its true partner, which no track has. A stretch of a track is a run of frames in which the same two
-cameras see it, and no other. For either image of a stretch, the free images of each other camera that lie near its
-lines are chained from frame to frame,
+cameras see it, and no other; merged images do not count, as one of both markers fits their meeting too. For either
+image of a stretch, the free images of each other camera that lie near its lines are chained from frame to frame,
 
     r₁ r₂ … : the image nearest to 2 r₂ − r₁, where the three points fit one motion by (1) of `initiate`        (1)
 
@@ -106,13 +106,14 @@ def without_rivalled(
     The list is empty afterwards, so that no column is in memory twice.
     """
     every = Associations(*columns)
-    stretch = stretches(every.frame, every.id, every.detection)
+    alone = images.own(every.detection)
+    stretch = stretches(every.frame, every.id, alone)
     held = every.detection[:, (every.detection >= 0).sum(0) >= 2]
     free = images.usable.copy()
     free[held[held >= 0]] = False
     taken = np.zeros(len(free), bool)
-    rivals = near_rivals(every.frame, every.detection, stretch, images, free, F, method.gate)
-    own = _squared(images, every.detection, np.flatnonzero(stretch >= 0))
+    rivals = near_rivals(every.frame, alone, stretch, images, free, F, method.gate)
+    own = _squared(images, alone, np.flatnonzero(stretch >= 0))
     won: list[Rivals] = []
     gone: list[Ints] = []
     likelier = _by_drift(_chains(rivals, stretch, own, images, T, method), rivals, every, images, method.gate)
@@ -195,17 +196,17 @@ def _chains(
 def _by_drift(
     found: list[tuple[float, Ints]], rivals: Rivals, every: Associations, images: Images, gate: float
 ) -> list[Ints]:
-    """The pairs of the rivals that are likelier by (3) too, the likeliest first; merged images are not judged."""
+    """The pairs of the rivals that are likelier by (3) too, the likeliest first."""
     if not found:
         return []
     score, chains = np.array([one for one, _ in found]), [chain for _, chain in found]
     of, pair = np.repeat(np.arange(len(found)), [len(chain) for chain in chains]), np.concatenate(chains)
     frame, kept, free = (column[pair] for column in (images.frame[rivals.kept], rivals.kept, rivals.free))
-    held = np.sort(every.detection[:, rivals.row[pair]], axis=0)[-2:]
+    held = np.sort(images.own(every.detection[:, rivals.row[pair]]), axis=0)[-2:]
     usual = usual_residuals(every.frame, every.id, every.detection, images, gate)
     stretch = scores_of_runs(held, frame, of, len(found), images, usual, gate)
     rival = scores_of_runs(np.stack([kept, free]), frame, of, len(found), images, usual, gate)
-    judged = (stretch != 0) & (rival != 0) & (np.bincount(of, images.merged[held].any(0)) == 0)
+    judged = (stretch != 0) & (rival != 0)
     score[judged] = (stretch - rival)[judged]
     return [chains[k] for k in np.argsort(-score, kind="stable") if score[k] > SURE]
 

@@ -32,7 +32,7 @@ from ...geometry.two_view import sampson_distance
 
 LEAST_SPREAD = 0.3
 """px; noise below which epipolar distances are not believed; chosen, as for a wand's ends."""
-MOST = 3
+MOST = 8
 """Images lost, or taken twice, in all, to both sides; chosen for time."""
 STRONGEST = 9.0
 """Bound of (1); chosen: three standard deviations."""

@@ -202,7 +202,9 @@ def _(by):
     halves = halves_ratio(fit, np.array([0.0, 500.0]), method=bundle.Bundle())
     rest = [(camera.K, camera.R, camera.distortion, camera.residual) for camera in fit.rig]
     spread = kinemark.predicted_covariance(fit.rig, POINTS[:5] + by, centroid_sd=0.1, joint=fit.joint)
-    return Answer((fit.xyz, fit.rig.centres), (rest, spread, fit.residual, fit.kept, fit.chi2, fit.freedom, judged, halves))
+    return Answer(
+        (fit.xyz, fit.rig.centres), (rest, spread, fit.residual, fit.kept, fit.chi2, fit.freedom, judged, halves)
+    )
 
 
 @law(calibrate.wand_lengths, share=OPEN)

@@ -104,7 +104,7 @@ def _put_back_ratios(seed):
     """Mean squares (2) of how far images put back are off, over the stated variance: u, v."""
     rng, rig = np.random.default_rng(seed), ring(4)
     n, frames, camera, depth = 6, 60, rig[0], float(np.linalg.norm(rig[0].centre))
-    xyz = rng.uniform(-400, 400, (frames, n, 3)) + [0, 0, 900]
+    xyz = rng.uniform([-400, -400, 500], [400, 400, 1300], (frames, n, 3))
     now = changed_camera(camera, np.r_[rng.normal(0, 8e-4, 3), rng.normal(0, 8e-4, 3), 0.0], depth)
     exact = np.stack([project(now if f >= 30 else camera, xyz[f]) for f in range(frames)])
     seen = exact + rng.normal(0, 0.4, exact.shape)

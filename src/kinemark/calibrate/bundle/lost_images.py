@@ -43,8 +43,8 @@ CLEAR = 4.0
 BETTER = 0.8
 """Share of the frames in (3); chosen: strays and mistaken rows are fewer than the rest."""
 ABOUT = 2
-"""Frames to both sides of a change whose images of the camera are left out, or as many as it lost, as nothing shows these;
-chosen: else it is told to one or two."""
+"""Frames to both sides of a change whose images of the camera are left out, or as many as it lost, as nothing shows
+these; chosen: else it is told to one or two."""
 
 
 class LostImages(NamedTuple):

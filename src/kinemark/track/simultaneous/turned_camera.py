@@ -97,7 +97,7 @@ def _pairs(images: Images, cell: Ints, uv: Floats, reach: float) -> tuple[Ints, 
 
 
 def _fitted(camera: Camera, xyz: Floats, uv: Floats) -> tuple[Camera, float, Floats]:
-    """The camera by (1) of points (n, 3) mm and their images (n, 2) px, what is left of these, px, and `PutRight.cov`."""
+    """The camera by (1) of points (n, 3) mm and their images (n, 2) px, what is left, px, and `PutRight.cov`."""
     theta, sigma = np.zeros(len(USUAL_ERROR)), np.inf
     now, seen = camera, np.ones((1, len(xyz)), bool)
     for _ in range(STEPS):

@@ -115,6 +115,9 @@ def test_every_fault_is_named(good):
     (odd,) = found(grade(rig, evidence, left_out=loud)[2], "control_points_disagree")
     assert odd.values["points_list"] == ("A4",)
     assert "left_out_errors_large" in grade(rig, evidence, left_out=20 * evidence.left_out)[1]
+    for ratio, severity in ((1.2, None), (1.7, "amber"), (2.7, "red")):
+        halves = found(grade(rig, evidence, halves=np.array([1.0, ratio]))[2], "film_halves_differ")
+        assert [one.severity for one in halves] == ([severity] if severity else [])
     one = np.array([5.0, 1, 1, 1])[:, None, None] * evidence.residual * 4
     assert found(grade(rig, evidence, residual=one)[2], "camera_fits_worse")[0].cameras == ("cam1",)
     narrow = np.where((evidence.uv[..., :1] < 640), evidence.uv, np.nan)

@@ -8,6 +8,7 @@ import numpy as np
 import kinemark
 from kinemark import calibrate, geometry, sensitivity, synth
 from kinemark.calibrate import bundle, control_frame, control_points, l_frame, quality, world_check, world_frame
+from kinemark.calibrate.quality.halves import halves_ratio
 from kinemark.data import MarkerTrajectory, Rig, Trajectories
 from kinemark.sensitivity import joints
 from support.shift_law import OPEN, Answer, law, moved, on_grid
@@ -198,9 +199,12 @@ def _(by):
     sticks = bundle.sticks_through(xyz + by, np.array([0.0, 500.0]))
     fit = bundle.bundle(moved(rig(), by), [sticks], uv.reshape(len(uv), -1, 2))
     judged = quality.judge_poses(fit, np.array([0.0, 500.0]), method=bundle.Bundle(), folds=2)
+    halves = halves_ratio(fit, np.array([0.0, 500.0]), method=bundle.Bundle())
     rest = [(camera.K, camera.R, camera.distortion, camera.residual) for camera in fit.rig]
     spread = kinemark.predicted_covariance(fit.rig, POINTS[:5] + by, centroid_sd=0.1, joint=fit.joint)
-    return Answer((fit.xyz, fit.rig.centres), (rest, spread, fit.residual, fit.kept, fit.chi2, fit.freedom, judged))
+    return Answer(
+        (fit.xyz, fit.rig.centres), (rest, spread, fit.residual, fit.kept, fit.chi2, fit.freedom, judged, halves)
+    )
 
 
 @law(calibrate.wand_lengths, share=OPEN)

@@ -75,6 +75,9 @@ CALIBRATION_KINDS = (
          {"rms_mm": "mm"}),
     Kind("wand_length_wrong_here", "calibrate", "amber", "The wand's length is wrong about one place.",
          {"place_mm_list": "mm", "error_mm": "mm"}),
+    Kind("film_halves_differ", "calibrate", "amber", "One half of a wand's or marker's film fits cameras of its own "
+         "much better than those of all frames: the squares of its residuals are so many times less. Red above twice.",
+         {"ratio": "ratio"}),
     Kind("wand_gaps_differ", "calibrate", "amber", "The images show other gaps between the wand's markers than stated; "
          "theirs were taken, the length as a whole as stated. Info below 0.2 % of the length.",
          {"stated_mm_list": "mm", "seen_mm_list": "mm"}),

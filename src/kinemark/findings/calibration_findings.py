@@ -41,6 +41,9 @@ LEFT_OUT_IMAGES = 0.05
 POINT_RATIO = 4.0
 """A point whose error left out is this many times the median, and above 0.25 px, was surveyed or read wrongly.
 Chosen."""
+HALVES_AMBER, HALVES_RED = 1.5, 2.0
+"""Times that the squares of residuals of one half of a film are less with cameras of its own (`quality.halves`).
+Chosen."""
 MOVED_MM, MOVED_PX = 2.0, 1.0
 """A camera that has moved by so much since the former calibration is named; chosen."""
 TREND_RATIO, TREND_PX = 0.1, 0.02
@@ -99,6 +102,12 @@ def _left_out(figures: Figures) -> Iterator[Finding]:
     if far:
         names = [name for _, name in sorted(far, reverse=True)]
         yield make_finding("left_out_errors_large", cameras=names, ratio=max(far)[0])
+
+
+def _halves(figures: Figures) -> Iterator[Finding]:
+    ratio = figures["fit"]["halves_ratio"]
+    if ratio is not None and ratio > HALVES_AMBER:
+        yield make_finding("film_halves_differ", severity=red_if(ratio > HALVES_RED), ratio=ratio)
 
 
 def _points(figures: Figures) -> Iterator[Finding]:
@@ -223,6 +232,6 @@ def _mirrored(figures: Figures) -> Iterator[Finding]:
 
 
 CHECKS = (
-    *(_judged, _residual, _unlike_others, _left_out, _points, _views, _loss, _image, *LENGTH_CHECKS),
+    *(_judged, _residual, _unlike_others, _left_out, _halves, _points, _views, _loss, _image, *LENGTH_CHECKS),
     *(_mirrored, _precision, _room, _lens, _lens_trend, _moved),
 )

@@ -144,6 +144,7 @@ def _fit(rig: Rig, evidence: Evidence) -> dict[str, Any]:
         "left_out_rms_px": rms(evidence.left_out[evidence.kept]) if evidence.left_out.size else None,
         "left_out_rms_mm": rms(evidence.left_out_mm),
         "left_out_max_mm": quantile(evidence.left_out_mm, 1.0),
+        "halves_ratio": quantile(evidence.halves, 1.0),
     }
 
 

@@ -27,13 +27,13 @@ def told(rig, uv, late=None):
     return [] if ahead is None else list(changes(rig.names, ahead, np.isfinite(uv).all((2, 3))))
 
 
-@pytest.mark.parametrize("images", [1, 2, -1, -3])
+@pytest.mark.parametrize("images", [1, 2, -1, -3, 7])
 @pytest.mark.parametrize("cameras", [3, 5])
 def test_the_camera_the_frame_and_the_number_are_told(cameras, images):
     rig, uv = film(cameras, {1: IN_TIME + images * (IN_TIME >= 70)}, seed=cameras)
     (one,) = told(rig, uv)
     assert (one.camera, one.images, one.alone) == (rig.names[1], images, True)
-    assert one.first - 2 <= 70 <= one.last + 2
+    assert one.first - 2 <= 70 <= one.last + max(2, images)  # nothing says where among those that it lost
 
 
 def test_of_two_cameras_it_may_be_either():

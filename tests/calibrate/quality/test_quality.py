@@ -11,6 +11,7 @@ from kinemark.calibrate.bundle import Bundle, calibrate_sticks
 from kinemark.calibrate.quality import apart_from_frame, joint_of, predicted_covariance, visible
 from kinemark.calibrate.quality.calibration_evidence import Evidence, centroid_deviation
 from kinemark.calibrate.quality.change import compare
+from kinemark.calibrate.quality.halves import halves_ratio
 from kinemark.calibrate.quality.image_coverage import image_coverage
 from kinemark.calibrate.quality.volume import deviation, map_volume, points_of, ray_angle, view_volume, volume_grid
 from kinemark.calibrate.quality.wand import folds_of, image_errors, judge_poses, reconstructed, seen_by
@@ -237,6 +238,19 @@ def test_a_lens_that_no_pose_supports_shows_only_on_poses_left_out():
     errors = image_errors(judged.residual.reshape(len(RIG), -1, 2))
     own = fit.residual[fit.kept]
     assert np.sqrt(np.nanmean(errors**2)) > 1.5 * np.sqrt((own**2).sum(1).mean())
+
+
+@pytest.mark.parametrize("cameras", [[0, 1], [0, 1, 2, 3]], ids=str)
+def test_halves_of_a_film_are_alike_unless_a_camera_is_moved(cameras):
+    late = np.arange(len(POSES)) >= 0.6 * len(POSES)
+    for seed in range(2):
+        uv = waved(0.1, seed)[cameras]
+        names, sizes = [RIG.names[c] for c in cameras], np.array(SIZES)[cameras]
+        fit = calibrate_sticks(names, sizes, uv, along=ALONG)
+        assert halves_ratio(fit, ALONG, method=Bundle()).max() < 1.2
+        uv[1, late] += [0.5, -0.4]
+        fit = calibrate_sticks(names, sizes, uv, along=ALONG)
+        assert halves_ratio(fit, ALONG, method=Bundle()).max() > 1.3
 
 
 def test_the_centroids_noise_is_read_from_residuals_with_what_was_fitted_to_them():

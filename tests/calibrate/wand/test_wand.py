@@ -356,17 +356,27 @@ def test_a_wand_that_never_turns_says_how_little_it_tells():
 
 def test_a_frame_that_a_camera_lost_is_told():
     """From there on its images are those of the next frame."""
-    rig, observed = waved([150.0, 350.0], cameras=4, frames=150)
-    seen, frames = observed.detections, np.arange(150)
-    order = [np.where((frames >= 90) & (c == 2), np.minimum(frames + 1, 149), frames) for c in range(4)]
-    parts = [seen[c, f] for c in range(4) for f in order[c]]
-    counts = np.reshape([len(part) for part in parts], seen.counts.shape)
-    film = Detections.build(seen.cameras, seen.rate, counts, np.concatenate(parts))
-    fit = calibrate_wand(film, lengths=[150.0, 350.0], sizes=[camera.size for camera in rig])
+    fit = of_film_with_lost({90: 1}, frames=150)
     (one,) = fit.lost
     assert (one.camera, one.images) == ("cam3", 1)
     assert 88 <= one.first <= one.last <= 92
     assert "cam3 lost 1 image before image" in fit.rig.method
+
+
+def test_losses_in_both_halves_of_a_film_are_told():
+    fit = of_film_with_lost({60: 1, 180: 6}, frames=240)
+    assert [(one.camera, one.images) for one in fit.lost] == [("cam3", 1), ("cam3", 6)]
+
+
+def of_film_with_lost(lost, frames):
+    """The rig of four cameras, the third of which lost so many images at some frames."""
+    rig, observed = waved([150.0, 350.0], cameras=4, frames=frames)
+    seen, frame = observed.detections, np.arange(frames)
+    shown = np.minimum(frame + sum(n * (frame >= f) for f, n in lost.items()), frames - 1)
+    parts = [seen[c, f] for c in range(4) for f in (shown if c == 2 else frame)]
+    counts = np.reshape([len(part) for part in parts], seen.counts.shape)
+    film = Detections.build(seen.cameras, seen.rate, counts, np.concatenate(parts))
+    return calibrate_wand(film, lengths=[150.0, 350.0], sizes=[camera.size for camera in rig])
 
 
 @pytest.mark.parametrize("lengths", [[500.0], [150.0, 350.0]], ids=str)

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.data import Detections, Rig
+from kinemark.data import Cloud, Detections, Rig, Tracks
 from kinemark.geometry import project
 from kinemark.track.simultaneous import Simultaneous, diagnose, learned_delays, track_simultaneously
-from kinemark.track.simultaneous.moved_cameras import MovedCamera, as_calibrated
+from kinemark.track.simultaneous.moved_cameras import MovedCamera, as_calibrated, moved_camera
 from kinemark.track.simultaneous.rig_of_tracks import changed_camera
 from kinemark.track.simultaneous.unfitting_stretches import Stretch
 from support.laboratory import observe, ring
@@ -92,6 +92,48 @@ def test_images_of_a_camera_that_stands_otherwise_are_those_of_the_one_before():
     np.testing.assert_allclose(back[1], project(camera, xyz), atol=1e-6)
     np.testing.assert_array_equal(back[[0, 2]], [there, there])
     assert np.linalg.norm(back[1] - there, axis=1).min() > 1
+
+
+def test_what_is_not_known_of_a_knock_is_stated():
+    """Images put back are off by the variance that is stated, over knocks, noise and depths of the points."""
+    ratios = [z for seed in range(12) for z in _put_back_ratios(seed)]
+    assert 0.4 < np.mean(ratios) < 1.8
+
+
+def _put_back_ratios(seed):
+    """Mean squares (2) of how far images put back are off, over the stated variance: u, v."""
+    rng, rig = np.random.default_rng(seed), ring(4)
+    n, frames, camera, depth = 6, 60, rig[0], float(np.linalg.norm(rig[0].centre))
+    xyz = rng.uniform([-400, -400, 500], [400, 400, 1300], (frames, n, 3))
+    now = changed_camera(camera, np.r_[rng.normal(0, 8e-4, 3), rng.normal(0, 8e-4, 3), 0.0], depth)
+    exact = np.stack([project(now if f >= 30 else camera, xyz[f]) for f in range(frames)])
+    seen = exact + rng.normal(0, 0.4, exact.shape)
+    uv = np.concatenate([seen.reshape(-1, 2), np.full((3 * frames * n, 2), 5.0)])
+    detections = Detections.build(rig.names, 100.0, np.full((4, frames), n), uv)
+    start = np.arange(frames + 1) * n
+    detection = np.full((frames * n, 4), -1)
+    detection[:, 1:] = 0
+    flat = xyz.reshape(-1, 3)
+    cov = np.broadcast_to(np.eye(3), (len(flat), 3, 3))
+    tracks = Tracks(Cloud(100.0, start, flat, cov, np.zeros(len(flat)), detection), np.tile(np.arange(n), frames))
+    offset = np.median((exact[30:] - np.stack([project(camera, x) for x in xyz[30:]])).reshape(-1, 2), axis=0)
+    back = moved_camera(Stretch(0, 30, frames), offset, tracks, detections, rig)
+    late = detections.keep(detections.camera == 0)
+    moved = replace(late, uv=exact.reshape(-1, 2))
+    off = as_calibrated(moved, rig, [back.moved]).uv[30 * n :] - project(camera, flat[30 * n :])
+    return (off**2).mean(0) / np.diag(back.cov)
+
+
+def test_points_with_an_image_of_the_knocked_camera_are_less_certain(knocked, monkeypatch):
+    rig, _, beside = knocked
+    kept = []
+    said = learned_delays.less_certain
+    monkeypatch.setattr(learned_delays, "less_certain", lambda result, back: kept.append(result) or said(result, back))
+    cloud = track_simultaneously(beside(SINCE), rig, Simultaneous()).tracks.cloud
+    more = np.trace(cloud.cov - kept[0].tracks.cloud.cov, axis1=1, axis2=2)
+    own = (cloud.frame >= SINCE + 1) & (cloud.detection[:, TOUCHED] >= 0)
+    assert (more[own] > 0).all() and (more[cloud.frame < SINCE - 1] == 0).all()
+    assert (more[cloud.detection[:, TOUCHED] < 0] == 0).all()
 
 
 def test_in_a_whole_recording_it_is_put_right(knocked):

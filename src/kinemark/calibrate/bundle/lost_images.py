@@ -32,8 +32,8 @@ from ...geometry.two_view import sampson_distance
 
 LEAST_SPREAD = 0.3
 """px; noise below which epipolar distances are not believed; chosen, as for a wand's ends."""
-MOST = 3
-"""Images lost, or taken twice, in all, to both sides; chosen for time."""
+MOST = 8
+"""Images lost, or taken twice, in all, to both sides; chosen: more hardly get lost."""
 STRONGEST = 9.0
 """Bound of (1); chosen: three standard deviations."""
 CHANGE = 80.0
@@ -43,7 +43,8 @@ CLEAR = 4.0
 BETTER = 0.8
 """Share of the frames in (3); chosen: strays and mistaken rows are fewer than the rest."""
 ABOUT = 2
-"""Frames to both sides of a change whose images of the camera are left out; chosen: it is told to one or two."""
+"""Frames to both sides of a change whose images of the camera are left out, or as many as it lost, as nothing shows
+these; chosen: else it is told to one or two."""
 
 
 class LostImages(NamedTuple):
@@ -105,7 +106,8 @@ def in_place(detections: Detections, ahead: Ints) -> Detections:
     C, F = ahead.shape
     source = np.arange(F) - ahead
     for c, f in zip(*(axis.tolist() for axis in np.nonzero(np.diff(ahead))), strict=True):
-        source[c, max(f + 1 - ABOUT, 0) : f + 1 + ABOUT] = -1
+        about = max(ABOUT, int(abs(ahead[c, f + 1] - ahead[c, f])))
+        source[c, max(f + 1 - about, 0) : f + 1 + about] = -1
     there = (source >= 0) & (source < F)
     counts = np.where(there, np.take_along_axis(detections.counts, np.clip(source, 0, F - 1), 1), 0)
     own = (detections.rows(c, int(k)) for c in range(C) for k in source[c, there[c]])

@@ -44,6 +44,7 @@ class Evidence:
         left_out: (C, N) px error of each image when its point, or its fold of points, took no part; NaN where unknown.
         left_out_mm: (N) how far a point lies from where it was surveyed when it took no part; NaN where unknown.
         known: (L) lengths on the wand, mm; lengths: (F, L) as poses that took no part give them, mm; place: (F, 3) mm.
+        halves: (2) by how many times squares of residuals of each half of the frames are less with its own cameras.
         checks: lengths that took no part.
         joint: (15 C, 15 C) covariance of all cameras together, or None where each was calibrated by itself.
         world: the error of the room, where points at known places gave it afterwards; it is not in `joint`.
@@ -65,6 +66,7 @@ class Evidence:
     known: Floats = field(default_factory=lambda: _none(0))
     lengths: Floats = field(default_factory=lambda: _none(0, 0))
     place: Floats = field(default_factory=lambda: _none(0, 3))
+    halves: Floats = field(default_factory=lambda: _none(2))
     checks: tuple[Check, ...] = ()
     joint: Floats | None = None
     world: WorldPose | None = None

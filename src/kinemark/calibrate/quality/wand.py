@@ -55,20 +55,30 @@ def judge_poses(
         folds: how many.
     """
     uv = seen_by(fit, len(along))
-    places = fit.xyz.reshape(uv.shape[1], len(along), 3)
     lengths, residual = np.full((uv.shape[1], len(along) - 1), np.nan), np.full(uv.shape, np.nan)
-    freedoms = tuple(freedom_of(camera, method, lens_held) for camera in fit.rig)
     for out in folds_of((np.isfinite(uv).all((-1, -2)).sum(0) >= 2), folds):
-        known = ~out & np.isfinite(places).all((1, 2))
-        part: Part = sticks_through(places[known], along) if len(along) > 1 else FreePoints(places[known, 0])
-        flat = uv[:, known].reshape(len(uv), -1, 2)
-        try:
-            rig = bundle(fit.rig, [part], flat, freedoms=freedoms, method=replace(method, reject=np.inf)).rig
-        except KinemarkError:  # too few poses without the fold
+        if (again := refitted(fit, along, ~out, method, lens_held)) is None:  # too few poses without the fold
             continue
-        xyz, misfit = reconstructed(rig, uv[:, out])
+        xyz, misfit = reconstructed(again.rig, uv[:, out])
         lengths[out], residual[:, out] = np.linalg.norm(np.diff(xyz, axis=1), axis=-1), misfit
     return LeftOutPoses(lengths, residual)
+
+
+def refitted(fit: BundleFit, along: Floats, poses: Bools, method: Bundle, lens_held: bool) -> BundleFit | None:
+    """The bundle again, of some poses (F) and the images that took part in a fit of all; None where they are too few.
+
+    The rest as in `judge_poses`.
+    """
+    uv = seen_by(fit, len(along))
+    places = fit.xyz.reshape(uv.shape[1], len(along), 3)
+    known = poses & np.isfinite(places).all((1, 2))
+    part: Part = sticks_through(places[known], along) if len(along) > 1 else FreePoints(places[known, 0])
+    freedoms = tuple(freedom_of(camera, method, lens_held) for camera in fit.rig)
+    flat = uv[:, known].reshape(len(uv), -1, 2)
+    try:
+        return bundle(fit.rig, [part], flat, freedoms=freedoms, method=replace(method, reject=np.inf))
+    except KinemarkError:
+        return None
 
 
 def freedom_of(camera: Camera, method: Bundle, lens_held: bool) -> Freedom:

@@ -13,7 +13,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
@@ -40,7 +40,7 @@ from .direction import from_other_end, looks_alike
 from .few_poses import first_poses, shared_frames, thinned
 from .film_delays import InTime, WandFit, with_delays
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, read_wand, wanted, wrong_gaps
-from .moved_camera import rigs_of_parts, since_step, step_words, without_move
+from .moved_camera import THIRDS, rigs_of_parts, since_step, step_words, without_move
 from .whole_film import with_lost_images
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
@@ -295,7 +295,7 @@ class _Cause(NamedTuple):
 
     error: Misfit
     step: CameraStep | None = None
-    parts: tuple[Rig, ...] = ()
+    parts: Iterable[Rig] = ()
 
 
 def _explained(
@@ -313,14 +313,16 @@ def _explained(
     rows = identify_wand(detections, want, along)
     uv = at_rows(detections, first_poses(detections, rows, sizes))[0]
     odd = odd_one(detections.cameras, sizes, uv, along=along, method=method.bundle, lenses=lenses)
-    parts: tuple[Rig, ...] = ()
+    parts: Iterable[Rig] = ()
     step = None
     if (odd or len(sizes) == 2) and not isinstance(error, NoBeginning):
         few = _beside(rows, detections.cameras.index(odd)) if odd else np.arange(2)
         first = partial(_first_cameras, detections, sizes=sizes, along=along, method=method, lenses=lenses, few=few)
-        parts = tuple(rigs_of_parts(detections, rows, first))
+        parts = halves = tuple(rigs_of_parts(detections, rows, first))
         seen = at_rows(detections, rows[few])[0]
-        step = next((found for rig in parts if (found := camera_step(rig, seen))), None)
+        step = next((found for rig in halves if (found := camera_step(rig, seen))), None)
+        if step is None:
+            parts = chain(halves, rigs_of_parts(detections, rows, first, THIRDS))
     if not (odd or step) and (gaps := wrong_gaps(read_wand(detections, want, along).ratio, along)):
         return _Cause(Misfit(gaps))
     return _Cause(Misfit(_misfit_words(str(error), step, odd)), step, parts)

@@ -8,7 +8,7 @@ not touch, one is without the moment of the move, and gives cameras to look at a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,18 +23,23 @@ from .delays import delays_between
 from .film_delays import InTime
 from .identify import at_rows
 
-PART = 0.45
-"""Of the frames, at the beginning and at the end; chosen: a move is in one of them at most."""
+HALVES, THIRDS = ((0.0, 0.45), (0.55, 1.0)), ((0.0, 0.32), (0.34, 0.66), (0.68, 1.0))
+"""From and to which share of the frames; chosen: one change is in one half at most, and two are not in all thirds."""
 
 
-def rigs_of_parts(detections: Detections, rows: Ints, first_rig: Callable[[Ints], Rig]) -> Iterator[Rig]:
-    """Cameras from the first part of rows (C, F, K), and from the last, where these are calibrations.
+def rigs_of_parts(
+    detections: Detections,
+    rows: Ints,
+    first_rig: Callable[[Ints], Rig],
+    parts: Sequence[tuple[float, float]] = HALVES,
+) -> Iterator[Rig]:
+    """Cameras from parts of rows (C, F, K), where these are calibrations.
 
     One that lost images before is late in a part by as many.
     """
-    n = rows.shape[1]
-    for part in (np.arange(n) < PART * n, np.arange(n) >= (1 - PART) * n):
-        own = np.where(part[:, None], rows, -1)
+    share = np.arange(rows.shape[1]) / rows.shape[1]
+    for first, stop in parts:
+        own = np.where(((share >= first) & (share < stop))[:, None], rows, -1)
         late = delays_between(at_rows(detections, own)[0])
         try:
             yield first_rig(own if late is None else _later(own, np.rint(late).astype(np.int64)))

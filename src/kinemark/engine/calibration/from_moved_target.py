@@ -11,6 +11,7 @@ import numpy as np
 from ...calibrate.bundle import BundleFit, calibrate_points
 from ...calibrate.bundle.stick_gaps import places_of
 from ...calibrate.quality.calibration_evidence import Evidence
+from ...calibrate.quality.halves import halves_ratio
 from ...calibrate.quality.wand import LeftOutPoses, image_errors, judge_poses, seen_by
 from ...calibrate.wand import calibrate_wand
 from ...data import Detections, Finding, KinemarkError, Severity, make_finding
@@ -33,11 +34,13 @@ WRONG_GAP = 0.002
 
 
 class FittedRig(NamedTuple):
-    """A bundle in a world of its own; along (K) mm of the stick, (1) for a marker; how poses left out judge it."""
+    """A bundle in a world of its own; along (K) mm of the stick, (1) for a marker; how poses left out judge it, and
+    both halves of the film (2)."""
 
     fit: BundleFit
     along: Floats
     judged: LeftOutPoses
+    halves: Floats
     lenses: Lenses
 
 
@@ -59,9 +62,10 @@ def from_wand(task: Task) -> RigWithEvidence:
     gaps = np.where(np.abs(gaps - stated) > SAME_MM, gaps, stated)
     along = np.concatenate([[0.0], np.cumsum(gaps)])
     judged = judge_poses(fit, along, method=method.bundle, lens_held=lenses.cameras is not None)
+    halves = halves_ratio(fit, along, method=method.bundle, lens_held=lenses.cameras is not None)
     tell(1, 1)
     way_text = f"a wand of {' + '.join(f'{mm:g}' for mm in stated)} mm"
-    made = _placed(task, FittedRig(fit, along, judged, lenses), way_text)
+    made = _placed(task, FittedRig(fit, along, judged, halves, lenses), way_text)
     found = (
         *made.evidence.findings,
         *_changed(stated, gaps),
@@ -128,8 +132,9 @@ def from_single_marker(task: Task) -> RigWithEvidence:
     known = cov if np.isfinite(cov[np.isfinite(uv[..., 0])]).all() else None
     fit = calibrate_points(task.names, seen.sizes, uv, cov=known, method=method, lenses=lenses.cameras)
     judged = judge_poses(fit, np.zeros(1), method=method, lens_held=lenses.cameras is not None)
+    halves = halves_ratio(fit, np.zeros(1), method=method, lens_held=lenses.cameras is not None)
     tell(1, 1)
-    made = _placed(task, FittedRig(fit, np.zeros(1), judged, lenses), "a single marker")
+    made = _placed(task, FittedRig(fit, np.zeros(1), judged, halves, lenses), "a single marker")
     found = (*made.evidence.findings, *_moved_meanwhile(fit, seen.detections))
     return made._replace(evidence=replace(made.evidence, findings=found))
 
@@ -183,6 +188,7 @@ def _placed(task: Task, fitted: FittedRig, way: str) -> RigWithEvidence:
         kept=fit.kept,
         left_out=errors,
         place=fit.xyz.reshape(-1, k, 3).mean(1),
+        halves=fitted.halves,
         checks=placed.checks,
         joint=fit.joint,
         world=placed.world,

@@ -176,6 +176,13 @@ CALIBRATION_WORDS = {
         "Wave it through the whole volume again, slowly; check synchronisation and lengths_mm.",
     ),
     "wand_length_wrong_here": Words(_wrong_here, "Use more poses there, or a better lens correction."),
+    "film_halves_differ": Words(
+        "One half of the recording fits cameras of its own much better than the cameras of all of it (squares of "
+        "residuals are {ratio:.1f} times as large by these): something changed meanwhile, and the errors are larger "
+        "than stated.",
+        "Record again: touch no camera, and check that no recording has lost images. Of three cameras or more it is "
+        "told which one it was.",
+    ),
     "wand_gaps_differ": Words(
         "The gaps between the wand's markers are given as {stated_mm_list:.5g} and come out as {seen_mm_list:.5g}. "
         "These were used, with the whole length as it is given.",

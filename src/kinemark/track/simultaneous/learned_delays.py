@@ -27,6 +27,7 @@ from .detection_index import Images, read_images
 from .misfitting_cameras import beside_tracks, image_offset
 from .missing_lens import missing_lenses
 from .moved_cameras import as_calibrated, moved_camera
+from .put_back import less_certain
 from .shifted_stretches import shifted_stretches
 from .simultaneous_method import Simultaneous
 from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
@@ -176,15 +177,16 @@ def _with_moved(
     """
     alone = {Stretch(one.camera, 0, detections.n_frames): said for one, said in found.items()}
     others = _left_out(result, alone, detections, rig, track).tracks
-    moved = [moved_camera(one, _offset(said), others, detections, rig) for one, said in found.items()]
-    there = tuple(one for one in moved if one is not None)
-    if len(there) < len(moved):
+    tried = [moved_camera(one, _offset(said), others, detections, rig) for one, said in found.items()]
+    back = [one for one in tried if one is not None]
+    if len(back) < len(tried):
         return None
-    again = track(without_stretches(as_calibrated(detections, rig, there), result.unfitting), rig)
-    if {*beside_tracks(again.tracks, again.images)} & {one.camera for one in there}:
+    moved = tuple(one.moved for one in back)
+    again = track(without_stretches(as_calibrated(detections, rig, moved), result.unfitting), rig)
+    if {*beside_tracks(again.tracks, again.images)} & {one.camera for one in moved}:
         return None
     said = (*result.shifted, *(_put_right(one) for one in found.values()))
-    return _of_same(result, again)._replace(moved=there, shifted=said)
+    return _of_same(result, less_certain(again, back))._replace(moved=moved, shifted=said)
 
 
 def _put_right(one: Finding) -> Finding:
@@ -212,8 +214,8 @@ def _with_put_right(result: TrackingResult, detections: Detections, rig: Rig, tr
             offset = image_offset(c, result.tracks, read_images(detections, rig))
         if offset is None or np.isnan(offset).any():
             continue
-        if (camera := put_right(c, offset, result.tracks, detections, rig)) is not None:
-            rig, turned = with_camera(rig, c, camera), [*turned, ImageOffset(c, *offset.tolist())]
+        if (right := put_right(c, offset, result.tracks, detections, rig)) is not None:
+            rig, turned = with_camera(rig, c, right.camera), [*turned, ImageOffset(c, *offset.tolist())]
     if not turned:
         return result
     own = [one.camera for one in turned]

@@ -7,7 +7,12 @@ would have been at
     u ~ K (A + (t − A t') (0, 0, 1) / z) K'⁻¹ u',   A = R R'ᵀ                              (1)
 
 (Hartley & Zisserman 2004, section 13.1), with z the median depth of the points. For points nearer or farther by δ, a
-knock that moves the camera by s leaves f s δ / z² px: 0.15 px for 3 mm, 500 mm, 4 m and 1600 px.
+knock that moves the camera by s leaves f s δ / z² px: 0.15 px for 3 mm, 500 mm, 4 m and 1600 px. With e what (1) leaves
+of n points, images put back are off by a covariance
+
+    S = Σ e eᵀ / n + S_now + S_was                                                        (2)
+
+with what is not known of where the camera stands (`turned_camera` (4)), and stood.
 """
 
 from __future__ import annotations
@@ -20,9 +25,10 @@ import numpy as np
 
 from ...data import Camera, Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats
+from ...geometry import project
 from ...geometry.camera import distort, undistort
 from ...numerics.vectors import homogeneous
-from .turned_camera import put_right
+from .turned_camera import PutRight, put_right
 from .unfitting_stretches import Stretch
 
 
@@ -43,9 +49,14 @@ class MovedCamera(NamedTuple):
         return cls(number, first, stop, was.K @ plane @ np.linalg.inv(now.K))
 
 
-def moved_camera(
-    stretch: Stretch, offset: Floats, tracks: Tracks, detections: Detections, rig: Rig
-) -> MovedCamera | None:
+class PutBack(NamedTuple):
+    """A camera that was knocked, and the covariance (2, 2) px² of (2)."""
+
+    moved: MovedCamera
+    cov: Floats
+
+
+def moved_camera(stretch: Stretch, offset: Floats, tracks: Tracks, detections: Detections, rig: Rig) -> PutBack | None:
     """A camera as the points of the others show it in a stretch; None where they cannot tell.
 
     They show it before the stretch too, or it stood as it was calibrated: what the file is off by stays as it was.
@@ -60,9 +71,19 @@ def moved_camera(
     now = put_right(c, offset, during, detections, rig)
     if now is None:
         return None
-    was = put_right(c, np.zeros(2), before, detections, rig) or rig[c]
-    depth = float(np.median(during.cloud.xyz @ now.R[2] + now.t[2]))
-    return MovedCamera.of(*stretch, was, now, depth)
+    was = put_right(c, np.zeros(2), before, detections, rig) or PutRight(rig[c], np.zeros((2, 2)))
+    xyz = during.cloud.xyz
+    depth = float(np.median(xyz @ now.camera.R[2] + now.camera.t[2]))
+    moved = MovedCamera.of(*stretch, was.camera, now.camera, depth)
+    left = _left_of(moved, xyz, was.camera, now.camera)
+    return PutBack(moved, left.T @ left / len(left) + now.cov + was.cov)  # (2)
+
+
+def _left_of(moved: MovedCamera, xyz: Floats, was: Camera, now: Camera) -> Floats:
+    """(n, 2) px that (1) leaves of points xyz (n, 3) mm, as a camera stood and stands."""
+    there, back = (project(replace(one, distortion=np.zeros(5)), xyz) for one in (was, now))
+    by_plane = homogeneous(back) @ moved.map.T
+    return np.asarray(by_plane[:, :2] / by_plane[:, 2:] - there)
 
 
 def _of(tracks: Tracks, own: Bools) -> Tracks:

@@ -106,7 +106,7 @@ class Solver(NamedTuple):
     def variance(self, rows: Ints) -> Floats:
         """(…) px² of some images, those that tracks share lying anywhere in their blobs."""
         flat = rows.ravel()
-        variance, shared = _variance(flat, self.working), self.shared[flat]
+        variance, shared = image_variance(flat, self.working), self.shared[flat]
         variance[shared] = np.maximum(variance[shared], self.working.images.radius(flat[shared]) ** 2 / 2)
         if self.moved is not None:
             of_these, place = self.moved.among(flat)
@@ -350,7 +350,7 @@ def _shared_cov(sd: Floats, lasting: float) -> Floats:
     return lasting * (float(np.median(sd)) ** 2 / 3 if len(sd) else 0.0) * np.eye(3)
 
 
-def _variance(rows: Ints, working: Working) -> Floats:
+def image_variance(rows: Ints, working: Working) -> Floats:
     """(n) px² of some images, as if no tracks shared them."""
     images, noise, camera = working.images, working.noise, working.images.camera[rows]
     alone = images.variance[rows] - images.margin(rows) - images.calibration[camera]  # `weighted_points` adds them

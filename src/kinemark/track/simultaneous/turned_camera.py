@@ -10,11 +10,13 @@ with w Cauchy's weights and σ the spread of the residuals. Pairs are looked for
 points, in a smaller circle (2). The other cameras, and with them the world, stay as they are.
 
 The camera is right where enough points in its view have an image that is theirs, with no more than usual noise (3).
+The inverse of the normal matrix of (1) is the covariance of θ (4).
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,7 +51,15 @@ MOST_POINTS = 4000
 """Points that are looked at; chosen: more say the same."""
 
 
-def put_right(c: int, offset: Floats, tracks: Tracks, detections: Detections, rig: Rig) -> Camera | None:
+class PutRight(NamedTuple):
+    """A camera as the points of the others show it, and what of its images that leaves open: the covariance (2, 2) px²
+    by (4) of the image of a point in the middle of them, on average."""
+
+    camera: Camera
+    cov: Floats
+
+
+def put_right(c: int, offset: Floats, tracks: Tracks, detections: Detections, rig: Rig) -> PutRight | None:
     """Camera c as the points of the others show it; None where they cannot tell (3).
 
     Args:
@@ -68,8 +78,8 @@ def put_right(c: int, offset: Floats, tracks: Tracks, detections: Detections, ri
         point, image = _pairs(images, cloud.frame[rows] * len(rig) + c, there, reach)
         if len(point) < max(LEAST_PAIRS, LEAST_SHARE * in_view.sum()):
             return None
-        camera, sd = _fitted(camera, xyz[point], images.uv[image])
-    return camera if sd < MOST_SD else None
+        camera, sd, cov = _fitted(camera, xyz[point], images.uv[image])
+    return PutRight(camera, cov) if sd < MOST_SD else None
 
 
 def with_camera(rig: Rig, c: int, camera: Camera) -> Rig:
@@ -86,8 +96,8 @@ def _pairs(images: Images, cell: Ints, uv: Floats, reach: float) -> tuple[Ints, 
     return place[alone], image[alone]
 
 
-def _fitted(camera: Camera, xyz: Floats, uv: Floats) -> tuple[Camera, float]:
-    """The camera by (1) of points (n, 3) mm and their images (n, 2) px, and what is left of these, px."""
+def _fitted(camera: Camera, xyz: Floats, uv: Floats) -> tuple[Camera, float, Floats]:
+    """The camera by (1) of points (n, 3) mm and their images (n, 2) px, what is left, px, and `PutRight.cov`."""
     theta, sigma = np.zeros(len(USUAL_ERROR)), np.inf
     now, seen = camera, np.ones((1, len(xyz)), bool)
     for _ in range(STEPS):
@@ -101,4 +111,4 @@ def _fitted(camera: Camera, xyz: Floats, uv: Floats) -> tuple[Camera, float]:
         pull = np.einsum("s,sai,sa->i", weight, A, r) - theta / USUAL_ERROR**2
         step = np.linalg.solve(normal, pull)
         theta, now = theta + step, changed_camera(now, step, float(depth[0]))
-    return now, sigma
+    return now, sigma, np.einsum("sai,ij,sbj->ab", A, np.linalg.inv(normal), A) / len(A)  # (4)

@@ -171,16 +171,7 @@ class Run:
     def associations(self) -> Associations:
         """All that were made, which are then no longer kept here."""
         parts, self.seen = self.seen, []
-        return self.once(_whole(parts)) if parts else _nothing(len(self.images.P))
-
-    def once(self, seen: Associations) -> Associations:
-        """The associations without partly hidden images that another has too: they were free for what came after."""
-        has = seen.detection >= 0
-        hidden = has & seen.shared & ~self.images.merged[seen.detection]
-        number = np.bincount(seen.detection[has], minlength=len(self.images.usable))
-        again = hidden & (number[seen.detection] > 1)
-        seen.detection[again], seen.shared[again] = -1, False
-        return seen
+        return _whole(parts) if parts else _nothing(len(self.images.P))
 
     def stretches(self) -> Ints:
         """First frames of the stretches that are tracked side by side, and the number of frames."""
@@ -298,6 +289,7 @@ class Run:
         association = with_partly_hidden(self.images, self.free, frame, seen, fit.association, self.method.gate)
         if association is fit.association:
             return fit
+        self.free[association.detection[association.detection >= 0]] = False
         after = update(before, *information(self.images, expected, association))
         return PassFit(association, after, fit.squared)
 

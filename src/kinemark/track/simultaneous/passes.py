@@ -25,7 +25,6 @@ from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
 from .initiate import InitiatedTracks, initiate
 from .kalman_states import KalmanStates, initial_states, predict, update
-from .partly_hidden import with_partly_hidden
 from .simultaneous_method import Simultaneous
 
 STRETCHES = 8
@@ -264,9 +263,9 @@ class Run:
         association = associate(images, self.free, active.frame, expected, gate)
         association = share(images, active.frame, expected, association, gate)
         after = update(motion, *information(images, expected, association))
-        fit = without_outliers(images, gate, motion, expected, association, after)
-        association, after, squared = self.with_hidden(active.frame, motion, expected, fit)
+        association, after, squared = without_outliers(images, gate, motion, expected, association, after)
         has = association.detection >= 0
+        self.free[association.detection[has]] = False
         own, count = (has & ~association.shared).sum(0), has.sum(0)
         before = np.sqrt(np.trace(motion.cov))
         xyz, cov = after.position.copy(), after.cov.copy()  # views would keep the whole states in memory
@@ -279,19 +278,6 @@ class Run:
         alive = (alone <= self.method.max_coasting / self.T) & ~((alone > 0) & lost)
         active = ActiveTracks(active.id, active.frame, alone, after)
         return active if alive.all() else active.take(alive)
-
-    def with_hidden(self, frame: Ints, before: KalmanStates, expected: PredictedImages, fit: PassFit) -> PassFit:
-        """The fit of tracks in frames (T), which then have their images, with partly hidden ones too."""
-        self.free[fit.association.detection[fit.association.detection >= 0]] = False
-        if len(self.images.P) < 3:
-            return fit
-        seen = predict_images(self.images.P, fit.after)
-        association = with_partly_hidden(self.images, self.free, frame, seen, fit.association, self.method.gate)
-        if association is fit.association:
-            return fit
-        self.free[association.detection[association.detection >= 0]] = False
-        after = update(before, *information(self.images, expected, association))
-        return PassFit(association, after, fit.squared)
 
 
 def without_outliers(

@@ -247,7 +247,7 @@ def test_images_that_look_wrong_are_said_to():
     for kind, images in cases.items():
         proposal = propose(grey(images))
         (found,) = (one for one in proposal.findings if one.kind == kind)
-        assert text_of(found) in proposal_text(proposal)
+        assert text_of(found) in proposal_text(proposal, "left")
     texture = 40 * ndimage.gaussian_filter(noise, (0, 2, 2)) + 60 + noise / 4
     proposal = propose(grey(texture))
     kinds = {one.kind for one in proposal.findings}
@@ -259,14 +259,14 @@ def test_without_markers_nothing_is_proposed_and_the_methods_are_the_defaults():
     proposal = propose(np.full((1, 40, 50), 7, np.uint8))
     assert proposal.reasons == () and proposal.sizes is None
     assert (proposal.centroids, proposal.scanning) == (type(proposal.centroids)(), type(proposal.scanning)())
-    assert "No parameters can be proposed" in proposal_text(proposal)
+    assert "No parameters can be proposed" in proposal_text(proposal, "left")
 
 
 def test_the_text_is_a_table_of_a_session_file():
     """Also what is commented out, once the paper's method is asked for; each value has its reason beside it."""
     for images in (grey(scene(10)), 255 - grey(scene(10, ground=40.0))):
         proposal = propose(images)
-        text = proposal_text(proposal)
+        text = proposal_text(proposal, "left")
         assert method_of("detect", tomllib.loads(text)["detect"]) == proposal.centroids
         lines = [line.removeprefix("# ") for line in text.splitlines() if " = " in line and " method " not in line]
         lines = [line for line in lines if "`" not in line and not line.startswith(("min_width", "max_aspect"))]

@@ -144,6 +144,8 @@ PROPOSAL = (
     Kind("bright_without_markers", "detect", "amber", "Many bright pixels belong to no marker.",
          {"pixels_share": "share"}),
     Kind("light_clipped", "detect", "amber", "Many markers reach the brightest level.", {"groups_share": "share"}),
+    Kind("spots_standing", "detect", "info", "Spots of a marker's size that never move while others do, and where, in "
+         "px of the image: lamps or reflections.", {"at_list": "text"}),
     Kind("few_bits_used", "detect", "info", "Images of 16 bits use no level above this.", {"white": "level"}),
 )  # fmt: skip
 

@@ -15,13 +15,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data import Finding, make_finding
-from ..data.array_types import GreyLevels
+from ..data.array_types import Floats, GreyLevels
 from ..numerics.evenly import evenly
 from .centroids_method import Centroids, Limits, check_images, grey_scale
 from .frame_source import FrameSource, spread
 from .kiss import KissNearest, KissScanning
 from .sizes import Sizes, marker_sizes
 from .stability import LevelGap, marker_gap, peaks_of, real_groups
+from .standing import standing_spots
 
 FRAMES = 12  # frames that a proposal looks at; chosen for speed
 WIDE_GAP = 1.3
@@ -49,6 +50,7 @@ class DetectionProposal:
         inverted: whether markers are dark on a bright ground.
         centroids, scanning, nearest: the methods with the proposed parameters; defaults where there are no markers.
         reasons: a parameter each. findings: what looks wrong; empty where nothing does.
+        masks: (4, 2) px each, of spots that never move while others do.
     """
 
     size: tuple[int, int]
@@ -62,6 +64,7 @@ class DetectionProposal:
     nearest: KissNearest
     reasons: tuple[Reason, ...]
     findings: tuple[Finding, ...]
+    masks: tuple[Floats, ...] = ()
 
 
 def propose(
@@ -83,6 +86,7 @@ def propose(
     stack, gap, inverted = _gap(stack, white, inverted)
     sizes = _sizes(stack, gap)
     reasons = tuple(_reasons(gap, sizes, white, grey_scale(stack.dtype), inverted)) if sizes else ()
+    masks = _masks(stack, gap, sizes) if sizes else ()
     return DetectionProposal(
         (stack.shape[2], stack.shape[1]),
         len(stack),
@@ -92,7 +96,8 @@ def propose(
         inverted,
         *_methods({reason.parameter: reason.value for reason in reasons}, inverted),
         reasons,
-        tuple(_findings(stack, white, gap, sizes, inverted)),
+        (*_findings(stack, white, gap, sizes, inverted), *_standing(masks)),
+        masks,
     )
 
 
@@ -255,6 +260,19 @@ def _findings(images: GreyLevels, white: int, gap: LevelGap, sizes: Sizes | None
             yield make_finding("light_clipped", groups_share=clipped)
     if images.dtype == np.uint16 and white < 65535:
         yield make_finding("few_bits_used", white=white)
+
+
+def _masks(images: GreyLevels, gap: LevelGap, sizes: Sizes) -> tuple[Floats, ...]:
+    """`DetectionProposal.masks` of images (n, H, W)."""
+    groups = real_groups(images, gap.threshold)
+    groups = groups.keep((groups.area >= sizes.low) & (groups.area <= sizes.high))
+    return standing_spots(groups, height=images.shape[1], width=images.shape[2], frames=len(images))
+
+
+def _standing(masks: tuple[Floats, ...]) -> Iterator[Finding]:
+    """That spots stand, and where."""
+    if masks:
+        yield make_finding("spots_standing", at_list=["({:.0f}, {:.0f})".format(*mask.mean(0)) for mask in masks])
 
 
 def _no_markers(images: GreyLevels, gap: LevelGap, sizes: Sizes) -> float:

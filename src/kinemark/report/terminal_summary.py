@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -148,9 +149,21 @@ def reason_words(reason: Reason) -> str:
     return template.format_map({**measured, "negative": negative})
 
 
-def proposal_text(proposal: DetectionProposal) -> str:
-    """The proposal as part of a session file."""
-    return "\n".join(_proposal_lines(proposal)) + "\n"
+def proposal_text(proposal: DetectionProposal, camera: str) -> str:
+    """The proposal of a camera as part of a session file, its masks as part of a file of masks, commented out."""
+    return "\n".join([*_proposal_lines(proposal), *_mask_lines(proposal, camera)]) + "\n"
+
+
+def _mask_lines(proposal: DetectionProposal, camera: str) -> Iterator[str]:
+    if not proposal.masks:
+        return
+    yield '# and in masks.toml, with file = "masks.toml" under [masks]:'
+    yield "# [[camera]]"
+    yield f"# name = {json.dumps(camera, ensure_ascii=False)}"
+    yield f"# size = [{proposal.size[0]}, {proposal.size[1]}]"
+    yield "# polygons = ["
+    yield from (f"#     {mask.tolist()}," for mask in proposal.masks)
+    yield "# ]"
 
 
 def _proposal_lines(proposal: DetectionProposal) -> Iterator[str]:

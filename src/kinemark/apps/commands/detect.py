@@ -53,11 +53,12 @@ def detect(
             {
                 name: asdict(proposal.centroids)
                 | {"findings": with_words([one.as_dict() for one in proposal.findings])}
+                | {"masks": [mask.tolist() for mask in proposal.masks]}
                 for name, proposal in found.items()
             }
         )
     else:
-        print_result("\n".join(f"# {name}: {proposal_text(proposal)}" for name, proposal in found.items()))
+        print_result("\n".join(f"# {name}: {proposal_text(proposal, name)}" for name, proposal in found.items()))
 
 
 def _show(source: Path, page: Path, trial: str | None, frames: str, *, json: bool) -> None:

@@ -250,6 +250,12 @@ PROPOSAL_WORDS = {
     "light_clipped": Words(
         "The light is clipped: {groups_share} of the groups reach the brightest level.", "Shorten the exposure."
     ),
+    "spots_standing": Words(
+        "At {at_list} px {at_list:a spot of a marker's size never moves|spots of a marker's size never move}, while "
+        "others do: {at_list:a lamp or reflection?|lamps or reflections?}",
+        "Cover or mask {at_list:it|them}: the masks proposed here go into a file that [masks] names; if "
+        "{at_list:it is a marker|they are markers} on something that does not move, all is well.",
+    ),
     "few_bits_used": Words(
         "The images have 16 bits, but no level above {white} is used: hence the low numbers of the thresholds."
     ),

@@ -48,10 +48,10 @@ JUMP, SHOWS = 0.1, 0.3
 cameras (700042 to 860129). Where it is more than SHOWS, noise hides that one marker vanishes; chosen: half of r / 2 and
 a little more."""
 FAR = 40
-"""Frames, where a jump shows; chosen: of images 30 to 40 after a merging, without a jump, four in five are merged."""
+"""Frames, where a jump shows; chosen: of images 20 to 40 after a merging, without a jump, four in five are merged."""
 LONGEST, MOST = 20, 8
 """Frames, where it does not; chosen: of images up to MOST after a merging four in five are merged ones, of later ones
-one in three, but for those up to LONGEST from merging and parting, of which five in six are."""
+hardly more than half, but for those up to LONGEST from merging and from parting, of which five in six are."""
 
 
 class _Links(NamedTuple):

@@ -1,4 +1,4 @@
-"""The coefficients of (1) of `kinemark.track.simultaneous.chance_meetings`, fitted again.
+"""The coefficients of (1) of `kinemark.track.simultaneous.ghosts.chance_meetings`, fitted again.
 
     python benchmarks/chance_meetings.py                     by the scenes of four cameras by which they were fitted
     python benchmarks/chance_meetings.py 40000-40099         by those of these seeds
@@ -18,7 +18,8 @@ import scipy
 from tracking_scenes import numbers
 
 from kinemark.data.array_types import Bools, Floats, Ints
-from kinemark.track.simultaneous import chance_meetings, given_up_points, track_with_decisions
+from kinemark.track.simultaneous import track_with_decisions
+from kinemark.track.simultaneous.ghosts import chance_meetings, given_up_points
 from support.scenes import Scene, make, scene
 from support.scenes.tally import owners
 

@@ -47,7 +47,7 @@ from kinemark.data.array_types import Bools, Floats, Ints
 from kinemark.geometry.camera import undistort_all
 from kinemark.geometry.epipolar import fundamental
 from kinemark.geometry.triangulate import refine, triangulate
-from kinemark.track.simultaneous.drifting_pairs import Usual, blocks, scores
+from kinemark.track.simultaneous.ghosts.drifting_pairs import Usual, blocks, scores
 from support.scenes import Made, Tally, make, scene
 from support.scenes.tally import NEAR, OPEN
 

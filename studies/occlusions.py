@@ -34,7 +34,7 @@ from kinemark.io.trial import read_trial
 from kinemark.label import Labelling, learn_template
 from kinemark.synth import Subject, from_trajectories, observe, ring, walking, with_markers
 from kinemark.track.simultaneous import Simultaneous, track_detections
-from kinemark.track.simultaneous.continuations import continuations
+from kinemark.track.simultaneous.joining.continuations import continuations
 
 ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data")) / "mocap3d"
 LENGTHS = (0.3, 0.5, 1.0, 1.5, 2.0)

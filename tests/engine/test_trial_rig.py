@@ -18,7 +18,7 @@ from kinemark.engine.session import Session
 from kinemark.engine.trial_rig import TrialRig
 from kinemark.geometry import project
 from kinemark.io.rig_toml import read_rig_toml
-from kinemark.track.simultaneous.moved_cameras import MovedCamera
+from kinemark.track.simultaneous.rig.moved_cameras import MovedCamera
 from support.laboratory import ring
 from support.wrong_rig import ALONE, GAP, MARKER, TOUCHED, wrong_session
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from kinemark.data import Cloud, Tracks
-from kinemark.track.simultaneous.neighbouring_points import TrackPoints
+from kinemark.track.simultaneous.points.neighbouring_points import TrackPoints
 
 
 def groups_of(matches, truth):

@@ -26,7 +26,7 @@ from ..track.simultaneous import (
     diagnose_points,
     track_simultaneously,
 )
-from ..track.simultaneous.camera_strobes import diagnose_strobes
+from ..track.simultaneous.rig.camera_strobes import diagnose_strobes
 from .camera_checks.camera_order import FITS_NOTHING, IN_PLACE_OF, images_of_others, put_in_order, told_in_order
 from .camera_checks.dropped_images import dropped_images, shifts_to_ask
 from .camera_checks.pixel_axes import pixel_axes

@@ -24,7 +24,7 @@ from ..track.simultaneous import (
     diagnose_tracks,
     track_detections,
 )
-from ..track.simultaneous.diagnostics_of_points import points_left_out
+from ..track.simultaneous.diagnosis.diagnostics_of_points import points_left_out
 from ..track.swamidas import Swamidas, diagnose_model, follow_points
 from .calibration.task import Calibrated
 from .camera_checks.start_times import with_delays_to_state

@@ -17,9 +17,9 @@ from ..data import Detections, KinemarkError, Rig
 from ..data.array_types import Floats
 from ..io.rig_toml import read_rig_toml, write_rig_toml
 from ..signal.common_time import moved_in_time
-from ..track.simultaneous.moved_cameras import MovedCamera, as_calibrated
+from ..track.simultaneous.rig.moved_cameras import MovedCamera, as_calibrated
+from ..track.simultaneous.rig.unfitting_stretches import Stretch, without_stretches
 from ..track.simultaneous.tracker import TrackingResult
-from ..track.simultaneous.unfitting_stretches import Stretch, without_stretches
 
 RIG = "rig.toml"
 """The file of the cameras among a trial's results, which any session may name as its calibration."""

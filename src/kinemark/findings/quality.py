@@ -14,7 +14,7 @@ from ..data import Cloud, Detections, Finding, Identity, Rig, Step, Tracks, Traj
 from ..data.array_types import Floats
 from ..io.files import replacing
 from ..track.simultaneous import AmbiguousDecision
-from ..track.simultaneous.camera_strobes import without_strobes
+from ..track.simultaneous.rig.camera_strobes import without_strobes
 from ..version import __version__
 from .cameras import AsGiven, camera_figures, residuals
 from .left_over import left_over, shown_at_once

@@ -12,7 +12,7 @@ from pydantic import Field
 from typing_extensions import TypedDict
 
 from ..data.finding import FindingStage, Grade, Severity
-from ..track.simultaneous.ambiguous import DecisionKind, DecisionReason
+from ..track.simultaneous.diagnosis.ambiguous import DecisionKind, DecisionReason
 from .quality_gaps import GapData
 from .quality_names_and_edits import EditData, LabelsData
 from .quality_types import Box, Count, Number, Pair, Point, Share, documented

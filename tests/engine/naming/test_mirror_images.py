@@ -7,7 +7,7 @@ from kinemark.engine.naming.naming import name_tracks
 from kinemark.engine.naming.templates import SessionTemplate
 from kinemark.label import Labelling, learn_template
 from kinemark.synth import ring, walking, with_markers
-from kinemark.track.simultaneous.mirror_images import mirror_images
+from kinemark.track.simultaneous.diagnosis.mirror_images import mirror_images
 
 RIG = ring(4)
 

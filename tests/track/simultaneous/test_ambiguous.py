@@ -11,7 +11,7 @@ from kinemark.reconstruct import reconstruct
 from kinemark.synth.score import score
 from kinemark.track import track
 from kinemark.track.simultaneous import Simultaneous, diagnose, diagnose_tracks, track_detections, track_simultaneously
-from kinemark.track.simultaneous.ambiguous import (
+from kinemark.track.simultaneous.diagnosis.ambiguous import (
     WEAK_EVIDENCE,
     AmbiguousDecision,
     _came_near,
@@ -21,12 +21,12 @@ from kinemark.track.simultaneous.ambiguous import (
     _merged,
     _possible_exchanges,
 )
-from kinemark.track.simultaneous.candidate_points import CandidatePoints
-from kinemark.track.simultaneous.initiate import _triples
-from kinemark.track.simultaneous.likelihood import WEAK, evidence
-from kinemark.track.simultaneous.passes import Associations
-from kinemark.track.simultaneous.possible_exchanges import possible_exchanges
-from kinemark.track.simultaneous.stitch import CLEAR_MARGIN, Stitch, stitched
+from kinemark.track.simultaneous.following.candidate_points import CandidatePoints
+from kinemark.track.simultaneous.following.initiate import _triples
+from kinemark.track.simultaneous.following.likelihood import WEAK, evidence
+from kinemark.track.simultaneous.following.passes import Associations
+from kinemark.track.simultaneous.joining.possible_exchanges import possible_exchanges
+from kinemark.track.simultaneous.joining.stitch import CLEAR_MARGIN, Stitch, stitched
 from support.clouds import points
 from support.laboratory import observe, ring
 from support.motions import dance, in_pieces

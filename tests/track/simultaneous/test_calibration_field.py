@@ -8,11 +8,11 @@ import pytest
 from kinemark.data import Rig
 from kinemark.geometry import parameter_jacobian
 from kinemark.track.simultaneous import Simultaneous, track_simultaneously
-from kinemark.track.simultaneous.calibration_field import LOG_VARIANCES, CalibrationField
-from kinemark.track.simultaneous.candidate_points import fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.epipolar_noise import Mixture
-from kinemark.track.simultaneous.measurement_noise import learn_noise
+from kinemark.track.simultaneous.following.candidate_points import fundamentals
+from kinemark.track.simultaneous.noise.calibration_field import LOG_VARIANCES, CalibrationField
+from kinemark.track.simultaneous.noise.epipolar_noise import Mixture
+from kinemark.track.simultaneous.noise.measurement_noise import learn_noise
 from support.laboratory import observe, ring
 from support.motions import dance
 from support.scenes import make, scene

@@ -9,7 +9,7 @@ from kinemark.data import Camera, Detections, Rig
 from kinemark.data.array_types import Floats
 from kinemark.geometry import project
 from kinemark.track.simultaneous import track_detections
-from kinemark.track.simultaneous.camera_strobes import camera_strobes, diagnose_strobes, without_strobes
+from kinemark.track.simultaneous.rig.camera_strobes import camera_strobes, diagnose_strobes, without_strobes
 
 CAMERAS, FRAMES, MARKERS, NOISE = 6, 80, 10, 0.1
 DOWN = np.array([[0, 0, 0], [0, 0, 60.0], [0, 0, 0]])

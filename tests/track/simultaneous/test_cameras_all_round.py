@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 from kinemark.data import Detections, Rig
 from kinemark.geometry import project
 from kinemark.track.simultaneous import diagnose, track_simultaneously
+from kinemark.track.simultaneous.rig.unfitting_stretches import Stretch, unfitting_stretches
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
-from kinemark.track.simultaneous.unfitting_stretches import Stretch, unfitting_stretches
 from support.laboratory import camera
 
 RATE, FRAMES = 50.0, 150

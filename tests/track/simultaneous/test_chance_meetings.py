@@ -5,10 +5,10 @@ import pytest
 from chance_meetings import Counted, fitted
 
 from kinemark.track.simultaneous import Simultaneous, track_detections
-from kinemark.track.simultaneous.chance_meetings import FEW, chance_meetings
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.drift_beyond import drifting_beyond
-from kinemark.track.simultaneous.drifting_pairs import drifting, usual_residuals
+from kinemark.track.simultaneous.ghosts.chance_meetings import FEW, chance_meetings
+from kinemark.track.simultaneous.ghosts.drift_beyond import drifting_beyond
+from kinemark.track.simultaneous.ghosts.drifting_pairs import drifting, usual_residuals
 from support.laboratory import observe, ring
 from support.motions import dance
 from support.scenes import make, scene, tally

@@ -5,9 +5,9 @@ import pytest
 
 from kinemark.data import Cloud
 from kinemark.track.simultaneous import Simultaneous
-from kinemark.track.simultaneous.companions import OVERLAP, joined_pieces, once_a_frame, with_companions
-from kinemark.track.simultaneous.neighbouring_points import TrackPoints
-from kinemark.track.simultaneous.stitch import Stitched
+from kinemark.track.simultaneous.joining.companions import OVERLAP, joined_pieces, once_a_frame, with_companions
+from kinemark.track.simultaneous.joining.stitch import Stitched
+from kinemark.track.simultaneous.points.neighbouring_points import TrackPoints
 from support.motions import dance
 
 RATE = 100.0

@@ -9,18 +9,12 @@ from kinemark import native
 from kinemark.native import PLAIN
 from kinemark.synth import observe, ring, walking, with_markers
 from kinemark.track.simultaneous import (
-    associate as association,
-)
-from kinemark.track.simultaneous import (
-    candidate_points as groups,
-)
-from kinemark.track.simultaneous import (
-    kalman_states as motion,
-)
-from kinemark.track.simultaneous import (
     track_detections,
 )
 from kinemark.track.simultaneous.detection_index import Images, read_images
+from kinemark.track.simultaneous.following import associate as association
+from kinemark.track.simultaneous.following import candidate_points as groups
+from kinemark.track.simultaneous.following import kalman_states as motion
 from support.examples import examples
 from support.plain import plainly
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import Cloud, Tracks
-from kinemark.track.simultaneous.continuations import continuations
+from kinemark.track.simultaneous.joining.continuations import continuations
 from support.motions import dance
 
 RATE = 100.0

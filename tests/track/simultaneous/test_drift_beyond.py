@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from kinemark.track.simultaneous.candidate_points import fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.drift_beyond import drifting_beyond
-from kinemark.track.simultaneous.drifting_pairs import drifting, usual_residuals
+from kinemark.track.simultaneous.following.candidate_points import fundamentals
+from kinemark.track.simultaneous.ghosts.drift_beyond import drifting_beyond
+from kinemark.track.simultaneous.ghosts.drifting_pairs import drifting, usual_residuals
 from support.laboratory import observe, ring
 from support.motions import dance
 

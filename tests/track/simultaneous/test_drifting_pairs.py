@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from kinemark.track.simultaneous import track_detections
-from kinemark.track.simultaneous.candidate_points import fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.drifting_pairs import (
+from kinemark.track.simultaneous.following.candidate_points import fundamentals
+from kinemark.track.simultaneous.ghosts.drifting_pairs import (
     MAX_FACTOR,
     _polynomials,
     blocks,

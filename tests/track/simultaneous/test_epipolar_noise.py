@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from kinemark.track.simultaneous import Simultaneous, track_simultaneously
-from kinemark.track.simultaneous.adjusted_rig import adjusted_rig
-from kinemark.track.simultaneous.candidate_points import fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.epipolar_noise import (
+from kinemark.track.simultaneous.following.candidate_points import fundamentals
+from kinemark.track.simultaneous.noise.epipolar_noise import (
     WINDOW,
     Residuals,
     camera_noise,
@@ -20,7 +19,8 @@ from kinemark.track.simultaneous.epipolar_noise import (
     peaked,
     residuals,
 )
-from kinemark.track.simultaneous.measurement_noise import learn_noise, sampled_frames
+from kinemark.track.simultaneous.noise.measurement_noise import learn_noise, sampled_frames
+from kinemark.track.simultaneous.rig.adjusted_rig import adjusted_rig
 from support.laboratory import camera, observe, ring
 from support.motions import dance, swarm
 from support.scenes import make, scene, tally

@@ -7,8 +7,8 @@ from kinemark.geometry import project_all
 from kinemark.numerics.evenly import scattered
 from kinemark.track.simultaneous import Simultaneous, track_simultaneously
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.measurement_noise import sampled_frames
-from kinemark.track.simultaneous.unfitting_stretches import unfitting_stretches
+from kinemark.track.simultaneous.noise.measurement_noise import sampled_frames
+from kinemark.track.simultaneous.rig.unfitting_stretches import unfitting_stretches
 from support.plain_ring import ring
 
 

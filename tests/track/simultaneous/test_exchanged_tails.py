@@ -5,11 +5,11 @@ import pytest
 
 from kinemark.data import Cloud
 from kinemark.track.simultaneous import Simultaneous, track_with_decisions
-from kinemark.track.simultaneous import exchanged_tails as module
-from kinemark.track.simultaneous.exchanged_tails import NEVER, exchanged_tails, with_exchanged_tails
-from kinemark.track.simultaneous.neighbouring_points import TrackPoints
-from kinemark.track.simultaneous.passes import Associations
-from kinemark.track.simultaneous.stitch import Stitch, Stitched
+from kinemark.track.simultaneous.following.passes import Associations
+from kinemark.track.simultaneous.joining import exchanged_tails as module
+from kinemark.track.simultaneous.joining.exchanged_tails import NEVER, exchanged_tails, with_exchanged_tails
+from kinemark.track.simultaneous.joining.stitch import Stitch, Stitched
+from kinemark.track.simultaneous.points.neighbouring_points import TrackPoints
 from support.scenes import make, scene, tally
 
 RATE, METHOD, MARKERS, FRAMES, CUT = 25.0, Simultaneous(), 6, 50, 20

@@ -5,9 +5,9 @@ import numpy as np
 from kinemark.geometry.weighted_points import DEFAULT_ERRORS
 from kinemark.track.simultaneous import Simultaneous, track_with_decisions
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.given_up_points import _of_fewer_images
-from kinemark.track.simultaneous.measurement_noise import Noise
-from kinemark.track.simultaneous.solved_points import Solver, Working, solved
+from kinemark.track.simultaneous.ghosts.given_up_points import _of_fewer_images
+from kinemark.track.simultaneous.noise.measurement_noise import Noise
+from kinemark.track.simultaneous.points.solved_points import Solver, Working, solved
 from support.laboratory import observe, ring
 from support.motions import dance
 from support.scenes import make, scene, tally

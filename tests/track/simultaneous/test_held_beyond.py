@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from kinemark.track.simultaneous import Simultaneous
-from kinemark.track.simultaneous.chance_meetings import chance_meetings
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.drift_beyond import drifting_beyond
-from kinemark.track.simultaneous.drifting_pairs import drifting, usual_residuals
-from kinemark.track.simultaneous.held_beyond import MOST, held_elsewhere
+from kinemark.track.simultaneous.ghosts.chance_meetings import chance_meetings
+from kinemark.track.simultaneous.ghosts.drift_beyond import drifting_beyond
+from kinemark.track.simultaneous.ghosts.drifting_pairs import drifting, usual_residuals
+from kinemark.track.simultaneous.ghosts.held_beyond import MOST, held_elsewhere
 from support.laboratory import observe, ring
 from support.motions import dance
 

@@ -5,7 +5,7 @@ import pytest
 
 from kinemark.data import Detections
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.image_chains import alone, images_beyond
+from kinemark.track.simultaneous.ghosts.image_chains import alone, images_beyond
 from support.laboratory import ring
 
 FRAMES, MOST, RIG = 12, 4, ring(2)

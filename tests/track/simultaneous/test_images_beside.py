@@ -6,7 +6,7 @@ import pytest
 from kinemark.data import Cloud, Detections, Tracks
 from kinemark.track.simultaneous import track_detections
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.images_beside import with_images_beside
+from kinemark.track.simultaneous.rig.images_beside import with_images_beside
 from support.laboratory import observe
 from support.motions import dance
 from support.row_of_cameras import row, turned

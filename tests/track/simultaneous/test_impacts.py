@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from kinemark.track.simultaneous import Simultaneous, track_detections
-from kinemark.track.simultaneous.impacts import with_impacts
-from kinemark.track.simultaneous.neighbouring_points import TrackPoints
-from kinemark.track.simultaneous.stitch import CLEAR_MARGIN, Stitched
+from kinemark.track.simultaneous.joining.impacts import with_impacts
+from kinemark.track.simultaneous.joining.stitch import CLEAR_MARGIN, Stitched
+from kinemark.track.simultaneous.points.neighbouring_points import TrackPoints
 from support.scenes import tally
 from support.scenes.impacts import impact_scene
 

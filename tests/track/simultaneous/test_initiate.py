@@ -6,8 +6,8 @@ import pytest
 from kinemark.synth import ring as near_ring
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import Simultaneous, track_detections
-from kinemark.track.simultaneous.candidate_points import CandidatePoints
-from kinemark.track.simultaneous.initiate import _triples
+from kinemark.track.simultaneous.following.candidate_points import CandidatePoints
+from kinemark.track.simultaneous.following.initiate import _triples
 from support.laboratory import observe, ring
 from support.motions import dance
 from support.scenes import make, scene, tally

@@ -7,23 +7,18 @@ import pytest
 
 from kinemark.data import Cloud, Detections
 from kinemark.geometry.weighted_points import ImageErrors
-from kinemark.track.simultaneous import (
-    Simultaneous,
-    associate,
-    misfitting_cameras,
-    near_held,
-    shifted_cameras,
-    time_offsets,
-    track_simultaneously,
-    unmarked_merging,
-)
+from kinemark.track.simultaneous import Simultaneous, track_simultaneously
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.measurement_noise import Noise
-from kinemark.track.simultaneous.neighbouring_points import RowsByTrack, TrackPoints, rows_of
-from kinemark.track.simultaneous.passes import Run
-from kinemark.track.simultaneous.solved_points import Solver, Working
-from kinemark.track.simultaneous.stitch import scores_by_distance
-from kinemark.track.simultaneous.unmarked_merging import Merging
+from kinemark.track.simultaneous.following import associate
+from kinemark.track.simultaneous.following.passes import Run
+from kinemark.track.simultaneous.ghosts import near_held, unmarked_merging
+from kinemark.track.simultaneous.ghosts.unmarked_merging import Merging
+from kinemark.track.simultaneous.joining.stitch import scores_by_distance
+from kinemark.track.simultaneous.noise.measurement_noise import Noise
+from kinemark.track.simultaneous.points.neighbouring_points import RowsByTrack, TrackPoints, rows_of
+from kinemark.track.simultaneous.points.solved_points import Solver, Working
+from kinemark.track.simultaneous.rig import misfitting_cameras, shifted_cameras
+from kinemark.track.simultaneous.times import time_offsets
 from support.laboratory import ring
 from support.scenes import make, scene
 

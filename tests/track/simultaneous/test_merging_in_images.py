@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from kinemark.data import Camera, Detections, Rig
-from kinemark.track.simultaneous import track_simultaneously, unmarked_merging
+from kinemark.track.simultaneous import track_simultaneously
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.merging_in_images import MOST, merged_in_images
+from kinemark.track.simultaneous.ghosts import unmarked_merging
+from kinemark.track.simultaneous.ghosts.merging_in_images import MOST, merged_in_images
+from kinemark.track.simultaneous.ghosts.unmarked_merging import with_merging_in_images
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
-from kinemark.track.simultaneous.unmarked_merging import with_merging_in_images
 from support.scenes import make, scene, tally
 
 K = np.array([[1000.0, 0, 500], [0, 1000, 400], [0, 0, 1]])

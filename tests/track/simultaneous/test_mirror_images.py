@@ -6,7 +6,7 @@ import pytest
 from kinemark.data import Cloud, Rig, Tracks
 from kinemark.report.words import advice_of, text_of
 from kinemark.track.simultaneous import diagnose, track_simultaneously
-from kinemark.track.simultaneous.mirror_images import mirror_images
+from kinemark.track.simultaneous.diagnosis.mirror_images import mirror_images
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
 from support.laboratory import camera, observe, ring
 

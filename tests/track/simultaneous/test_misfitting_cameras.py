@@ -10,9 +10,9 @@ from kinemark.data import Detections
 from kinemark.data.detections import Validity
 from kinemark.track.simultaneous import diagnose, track_simultaneously
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.misfitting_cameras import beside_tracks, image_offset, misfitting
+from kinemark.track.simultaneous.rig.misfitting_cameras import beside_tracks, image_offset, misfitting
+from kinemark.track.simultaneous.rig.unfitting_stretches import unfitting_stretches
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
-from kinemark.track.simultaneous.unfitting_stretches import unfitting_stretches
 from support.scenes import make, scene, tally
 from support.scenes.placements import off
 

@@ -11,12 +11,13 @@ from kinemark.geometry import undistort
 from kinemark.geometry.camera import distort
 from kinemark.geometry.weighted_points import DEFAULT_ERRORS
 from kinemark.report.words import advice_of, text_of
-from kinemark.track.simultaneous import adjusted_rig, diagnose, missing_lens, track_simultaneously
-from kinemark.track.simultaneous.adjusted_rig import rig_step, with_radial
+from kinemark.track.simultaneous import diagnose, track_simultaneously
 from kinemark.track.simultaneous.facts import tracked_images
-from kinemark.track.simultaneous.missing_lens import missing_lenses
+from kinemark.track.simultaneous.points.solved_points import solved, solver_for
+from kinemark.track.simultaneous.rig import adjusted_rig, missing_lens
+from kinemark.track.simultaneous.rig.adjusted_rig import rig_step, with_radial
+from kinemark.track.simultaneous.rig.missing_lens import missing_lenses
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
-from kinemark.track.simultaneous.solved_points import solved, solver_for
 from support.laboratory import camera, observe
 from support.scenes import make, scene, tally
 from support.wrong_rig import bare

@@ -8,8 +8,8 @@ import pytest
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import Simultaneous, track_simultaneously
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.motion_scale import with_learned_motion
-from kinemark.track.simultaneous.passes import run
+from kinemark.track.simultaneous.following.motion_scale import with_learned_motion
+from kinemark.track.simultaneous.following.passes import run
 from support.laboratory import observe, ring
 from support.motions import dance
 

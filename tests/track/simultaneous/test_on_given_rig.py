@@ -8,9 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from kinemark.geometry.weighted_points import DEFAULT_ERRORS
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.measurement_noise import Noise
-from kinemark.track.simultaneous.simultaneous_method import Simultaneous
-from kinemark.track.simultaneous.solved_points import (
+from kinemark.track.simultaneous.noise.measurement_noise import Noise
+from kinemark.track.simultaneous.points.solved_points import (
     Solver,
     Working,
     _gone_over,
@@ -18,6 +17,7 @@ from kinemark.track.simultaneous.solved_points import (
     solved,
     with_few_smoothed,
 )
+from kinemark.track.simultaneous.simultaneous_method import Simultaneous
 from support.laboratory import observe, ring
 from support.motions import dance
 

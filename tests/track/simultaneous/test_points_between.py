@@ -5,10 +5,10 @@ import pytest
 
 from kinemark.data import Rig
 from kinemark.track.simultaneous import track_detections
-from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.neighbouring_points import TrackPoints
-from kinemark.track.simultaneous.points_between import between_markers
+from kinemark.track.simultaneous.following.candidate_points import intersect
+from kinemark.track.simultaneous.ghosts.points_between import between_markers
+from kinemark.track.simultaneous.points.neighbouring_points import TrackPoints
 from support.laboratory import camera, observe, ring
 from support.motions import dance
 from support.scenes import make, scene, tally

@@ -7,7 +7,7 @@ import pytest
 
 from kinemark.report.words import text_of
 from kinemark.track.simultaneous import Simultaneous, diagnose, diagnose_points, track_simultaneously
-from kinemark.track.simultaneous.diagnostics_of_points import points_left_out
+from kinemark.track.simultaneous.diagnosis.diagnostics_of_points import points_left_out
 from support.laboratory import observe, ring
 from support.motions import dance
 

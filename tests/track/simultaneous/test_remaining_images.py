@@ -5,11 +5,11 @@ import pytest
 
 from kinemark.data import Cloud
 from kinemark.track.simultaneous import track_detections
-from kinemark.track.simultaneous.candidate_points import fundamentals, intersect
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.drifting_pairs import UsualResiduals, usual_residuals
-from kinemark.track.simultaneous.passes import Associations
-from kinemark.track.simultaneous.remaining_images import of_markers, tracks_of_remaining
+from kinemark.track.simultaneous.following.candidate_points import fundamentals, intersect
+from kinemark.track.simultaneous.following.passes import Associations
+from kinemark.track.simultaneous.ghosts.drifting_pairs import UsualResiduals, usual_residuals
+from kinemark.track.simultaneous.points.remaining_images import of_markers, tracks_of_remaining
 from kinemark.track.simultaneous.simultaneous_method import DEFAULT
 from support.laboratory import observe, ring
 from support.motions import dance

@@ -6,9 +6,9 @@ import pytest
 from kinemark.geometry import project
 from kinemark.numerics.robust import plane_scale
 from kinemark.track.simultaneous import track_detections
-from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.rig_of_tracks import rig_of_tracks
+from kinemark.track.simultaneous.following.candidate_points import intersect
+from kinemark.track.simultaneous.rig.rig_of_tracks import rig_of_tracks
 from support.laboratory import observe, ring
 from support.motions import dance
 from support.scenes import make, scene, tally

@@ -2,12 +2,14 @@
 
 import numpy as np
 
-from kinemark.track.simultaneous import found_points, rigid_bodies, track_detections
-from kinemark.track.simultaneous.body_poses import body_poses, in_place
-from kinemark.track.simultaneous.neighbouring_points import TrackPoints, rows_of
-from kinemark.track.simultaneous.rigid_bodies import fitted, learned_bodies
-from kinemark.track.simultaneous.rigid_pass import RigidPass
-from kinemark.track.simultaneous.same_body import joined_bodies
+from kinemark.track.simultaneous import track_detections
+from kinemark.track.simultaneous.bodies import rigid_bodies
+from kinemark.track.simultaneous.bodies.body_poses import body_poses, in_place
+from kinemark.track.simultaneous.bodies.rigid_bodies import fitted, learned_bodies
+from kinemark.track.simultaneous.bodies.rigid_pass import RigidPass
+from kinemark.track.simultaneous.bodies.same_body import joined_bodies
+from kinemark.track.simultaneous.points import found_points
+from kinemark.track.simultaneous.points.neighbouring_points import TrackPoints, rows_of
 from support.laboratory import observe, ring
 
 RATE, F = 25.0, 300

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from kinemark.track.simultaneous import Simultaneous, track_with_decisions
-from kinemark.track.simultaneous.candidate_points import fundamentals, intersect
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.passes import Associations
-from kinemark.track.simultaneous.rival_pairs import stretches, without_rivalled
+from kinemark.track.simultaneous.following.candidate_points import fundamentals, intersect
+from kinemark.track.simultaneous.following.passes import Associations
+from kinemark.track.simultaneous.ghosts.rival_pairs import stretches, without_rivalled
 from support.laboratory import observe, ring
 from support.motions import dance
 from support.scenes import make, scene, tally

@@ -5,10 +5,10 @@ import pytest
 
 from kinemark.data import Cloud, Tracks
 from kinemark.track.simultaneous import Simultaneous, track_detections
-from kinemark.track.simultaneous.candidate_points import intersect
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.solved_points import Working
-from kinemark.track.simultaneous.told_by_tracks import of_tracks, with_noise
+from kinemark.track.simultaneous.following.candidate_points import intersect
+from kinemark.track.simultaneous.points.solved_points import Working
+from kinemark.track.simultaneous.rig.told_by_tracks import of_tracks, with_noise
 from support.laboratory import observe
 from support.motions import dance
 from support.row_of_cameras import row, turned

@@ -6,17 +6,17 @@ import pytest
 from kinemark.data import Cloud
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import Simultaneous, track_detections
-from kinemark.track.simultaneous import second_pass as second
-from kinemark.track.simultaneous import stitch as stitch_module
-from kinemark.track.simultaneous.associate import Association, information, predict_images
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.kalman_states import KalmanStates, update
-from kinemark.track.simultaneous.likelihood import FAIR, SURE, evidence
-from kinemark.track.simultaneous.neighbouring_points import TrackPoints
-from kinemark.track.simultaneous.passes import Associations, _off_without_itself, without_outliers
-from kinemark.track.simultaneous.second_pass import second_pass
-from kinemark.track.simultaneous.solved_points import precise_enough
-from kinemark.track.simultaneous.stitch import stitched
+from kinemark.track.simultaneous.following.associate import Association, information, predict_images
+from kinemark.track.simultaneous.following.kalman_states import KalmanStates, update
+from kinemark.track.simultaneous.following.likelihood import FAIR, SURE, evidence
+from kinemark.track.simultaneous.following.passes import Associations, _off_without_itself, without_outliers
+from kinemark.track.simultaneous.joining import stitch as stitch_module
+from kinemark.track.simultaneous.joining.stitch import stitched
+from kinemark.track.simultaneous.points import second_pass as second
+from kinemark.track.simultaneous.points.neighbouring_points import TrackPoints
+from kinemark.track.simultaneous.points.second_pass import second_pass
+from kinemark.track.simultaneous.points.solved_points import precise_enough
 from kinemark.track.simultaneous.tracker import _without_evidence
 from support.laboratory import observe, ring
 from support.motions import dance

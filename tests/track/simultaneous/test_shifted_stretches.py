@@ -8,9 +8,9 @@ import pytest
 from kinemark.data import Cloud, Detections, Rig, Tracks
 from kinemark.geometry import project
 from kinemark.track.simultaneous import Simultaneous, diagnose, learned_delays, track_simultaneously
-from kinemark.track.simultaneous.moved_cameras import MovedCamera, as_calibrated, moved_camera
-from kinemark.track.simultaneous.rig_of_tracks import changed_camera
-from kinemark.track.simultaneous.unfitting_stretches import Stretch
+from kinemark.track.simultaneous.rig.moved_cameras import MovedCamera, as_calibrated, moved_camera
+from kinemark.track.simultaneous.rig.rig_of_tracks import changed_camera
+from kinemark.track.simultaneous.rig.unfitting_stretches import Stretch
 from support.laboratory import observe, ring
 from support.motions import dance
 

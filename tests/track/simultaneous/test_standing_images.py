@@ -6,10 +6,10 @@ import pytest
 from kinemark import synth
 from kinemark.data import Detections, Rig
 from kinemark.track.simultaneous import track_detections
-from kinemark.track.simultaneous.candidate_points import find_candidate_points, fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.standing_images import HALF_S, find_standing_points
-from kinemark.track.simultaneous.standing_noise import lasting_variance
+from kinemark.track.simultaneous.following.candidate_points import find_candidate_points, fundamentals
+from kinemark.track.simultaneous.following.standing_images import HALF_S, find_standing_points
+from kinemark.track.simultaneous.noise.standing_noise import lasting_variance
 from support.laboratory import observe, ring
 from support.motions import dance
 from support.scenes.bodies import walker

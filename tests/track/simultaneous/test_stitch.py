@@ -4,8 +4,8 @@ import numpy as np
 import scipy
 
 from kinemark.track.simultaneous import Simultaneous
-from kinemark.track.simultaneous.kalman_states import initial_states
-from kinemark.track.simultaneous.stitch import NEVER, Ends, best_stitches, possible
+from kinemark.track.simultaneous.following.kalman_states import initial_states
+from kinemark.track.simultaneous.joining.stitch import NEVER, Ends, best_stitches, possible
 
 
 def some_ends(n=80, seed=0):

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from kinemark.data import Detections
 from kinemark.track.simultaneous import Simultaneous, diagnose, track_simultaneously
-from kinemark.track.simultaneous.time_offsets import time_offsets
+from kinemark.track.simultaneous.times.time_offsets import time_offsets
 from support.laboratory import observe, ring
 from support.motions import dance
 from support.uneven_times import Paths, Times, compared, recorded, truth

@@ -14,11 +14,18 @@ from kinemark.synth import ring as synth_ring
 from kinemark.synth import walking, with_markers
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import Simultaneous, track_detections
-from kinemark.track.simultaneous.associate import associate, predict_images
-from kinemark.track.simultaneous.candidate_points import batches, fundamentals, intersect, near_lines
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.kalman_states import KalmanStates, back, initial_states, predict, reversed_time, update
-from kinemark.track.simultaneous.neighbouring_points import (
+from kinemark.track.simultaneous.following.associate import associate, predict_images
+from kinemark.track.simultaneous.following.candidate_points import batches, fundamentals, intersect, near_lines
+from kinemark.track.simultaneous.following.kalman_states import (
+    KalmanStates,
+    back,
+    initial_states,
+    predict,
+    reversed_time,
+    update,
+)
+from kinemark.track.simultaneous.points.neighbouring_points import (
     LOOK,
     RowsByTrack,
     TrackPoints,
@@ -273,7 +280,7 @@ def test_claims_are_the_best_of_all(seed):
 @pytest.mark.parametrize("at_once", [1, 40, 4000])
 def test_pairs_near_lines_are_those_of_a_loop_over_all_pairs(at_once, monkeypatch):
     """Whatever the number of images in each frame and camera, and however many frames are looked at together."""
-    monkeypatch.setattr(sys.modules["kinemark.track.simultaneous.candidate_points"], "AT_ONCE", at_once)
+    monkeypatch.setattr(sys.modules["kinemark.track.simultaneous.following.candidate_points"], "AT_ONCE", at_once)
     rig, rng = ring(4), np.random.default_rng(3)
     xyz = dance(6, 9)
     xyz[:, 4] = np.nan  # nothing there

@@ -8,11 +8,11 @@ import pytest
 from kinemark.data import Rig
 from kinemark.synth.score import changes, score
 from kinemark.track.simultaneous import Simultaneous, diagnose, track_simultaneously, track_with_decisions
-from kinemark.track.simultaneous.candidate_points import fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.measurement_noise import learn_noise
-from kinemark.track.simultaneous.neighbouring_points import TrackPoints, smoothed
-from kinemark.track.simultaneous.stitch import CLEAR_MARGIN, stitched
+from kinemark.track.simultaneous.following.candidate_points import fundamentals
+from kinemark.track.simultaneous.joining.stitch import CLEAR_MARGIN, stitched
+from kinemark.track.simultaneous.noise.measurement_noise import learn_noise
+from kinemark.track.simultaneous.points.neighbouring_points import TrackPoints, smoothed
 from support.clouds import points
 from support.laboratory import observe, ring
 from support.motions import body, dance, in_pieces

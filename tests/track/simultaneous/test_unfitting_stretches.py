@@ -9,15 +9,15 @@ import pytest
 from kinemark.data.detections import Validity
 from kinemark.geometry.weighted_points import DEFAULT_ERRORS
 from kinemark.track.simultaneous import diagnose, track_simultaneously
-from kinemark.track.simultaneous.simultaneous_method import DEFAULT
-from kinemark.track.simultaneous.tracker import track_once
-from kinemark.track.simultaneous.unfitting_stretches import (
+from kinemark.track.simultaneous.rig.unfitting_stretches import (
     Stretch,
     is_followed,
     is_lost,
     unfitting_stretches,
     without_stretches,
 )
+from kinemark.track.simultaneous.simultaneous_method import DEFAULT
+from kinemark.track.simultaneous.tracker import track_once
 from support.scenes import make, scene, tally
 
 SEEDS = {160001: 3, 160040: 1, 160056: 0}

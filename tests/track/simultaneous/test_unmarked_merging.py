@@ -7,22 +7,23 @@ from kinemark.data import Cloud, Detections
 from kinemark.geometry import project
 from kinemark.geometry.weighted_points import ImageErrors
 from kinemark.native import index_images
-from kinemark.track.simultaneous import Simultaneous, track_detections, unmarked_merging
-from kinemark.track.simultaneous.associate import predict_images
-from kinemark.track.simultaneous.candidate_points import intersect
+from kinemark.track.simultaneous import Simultaneous, track_detections
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.kalman_states import KalmanStates
-from kinemark.track.simultaneous.measurement_noise import Noise
-from kinemark.track.simultaneous.neighbouring_points import LOOK, TrackPoints
-from kinemark.track.simultaneous.second_pass import expected_between
-from kinemark.track.simultaneous.solved_points import Solver, Working
-from kinemark.track.simultaneous.unmarked_merging import (
+from kinemark.track.simultaneous.following.associate import predict_images
+from kinemark.track.simultaneous.following.candidate_points import intersect
+from kinemark.track.simultaneous.following.kalman_states import KalmanStates
+from kinemark.track.simultaneous.ghosts import unmarked_merging
+from kinemark.track.simultaneous.ghosts.unmarked_merging import (
     LEAST,
     inferred_merging,
     possible_claims,
     resolution,
     scores,
 )
+from kinemark.track.simultaneous.noise.measurement_noise import Noise
+from kinemark.track.simultaneous.points.neighbouring_points import LOOK, TrackPoints
+from kinemark.track.simultaneous.points.second_pass import expected_between
+from kinemark.track.simultaneous.points.solved_points import Solver, Working
 from support.laboratory import observe, ring
 from support.motions import dance
 from support.scenes import make, scene, tally

@@ -22,7 +22,7 @@ from ..bundle import BundleFit
 BLOCKS = 24
 """Of the points in time; chosen: in each the wand moves in all directions."""
 SURE = 5.0
-"""Standard deviations of a delay; chosen, as of trials (`track.simultaneous.time_offsets`)."""
+"""Standard deviations of a delay; chosen, as of trials (`track.simultaneous.times.time_offsets`)."""
 MOST = 2000
 """Points that are looked at, evenly; chosen for memory: they tell delays to some ten thousandths of an image."""
 LEAST_PX = 0.1

@@ -8,8 +8,8 @@ standard deviations s. Markers of the same segment keep theirs, so where the two
 is small for those k whose distance was steadiest before. The misfit is the mean of 2 ln(1 + z²/3), as of Student's t
 with three degrees of freedom, over the COMPANIONS steadiest (2).
 
-What tracking joins by companions (`track/simultaneous/companions.py`) is told by the same score: of the distances just
-before and after, medians r and r' of variances v and v',
+What tracking joins by companions (`track/simultaneous/joining/companions.py`) is told by the same score: of the
+distances just before and after, medians r and r' of variances v and v',
 
     score_k = 2 ln(L (1 − STRAY) / √(2π (v + v')) exp(−(r' − r)² / 2 (v + v')) + STRAY)                    (3)
 

@@ -25,7 +25,7 @@ from ...reconstruct import LeastSquares, image_errors
 from ...track import to_trajectories
 from ...track.simultaneous import AmbiguousDecision, Simultaneous
 from ...track.simultaneous.facts import NO_MARKER, UNSAID, Facts, Mended, mended_tracks
-from ...track.simultaneous.neighbouring_points import TrackPoints
+from ...track.simultaneous.points.neighbouring_points import TrackPoints
 from ..graph import Records, Stage
 from ..keys import world_key
 from ..sources import TrialSource

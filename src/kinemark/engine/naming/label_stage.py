@@ -14,7 +14,7 @@ from ...data.edits import Claim
 from ...io.stated_names_csv import StatedName, read_stated_names
 from ...reconstruct import LeastSquares, image_errors
 from ...track.simultaneous import Simultaneous
-from ...track.simultaneous.mirror_images import mirror_images
+from ...track.simultaneous.diagnosis.mirror_images import mirror_images
 from ..keys import world_key
 from ..sources import Recording
 from ..trial_rig import TrialRig

@@ -3,8 +3,8 @@
 Points are judged by where the others say that each marker is (`label.by_body`): those that changed places change back,
 pieces without a name join their marker, and a point far off is put aside where the marker's own images are found.
 Markers that have no point in a frame are looked for where the body expects them (`label.carried_places`), in the images
-that nobody has (`track.simultaneous.expected_places`). Each goes on from what the other found. At last, tracks without
-a name that are beside a named marker all along are its twins, made of others of its images, and no tracks any more.
+that nobody has (`track.simultaneous.points.expected_places`). Each goes on from what the other found. At last, tracks
+without a name that are beside a named marker all along are its twins, made of others of its images, and no tracks any more.
 
 Nothing is lost: points put aside stay in the cloud without a track, and what became of how many is a finding.
 """
@@ -27,9 +27,9 @@ from ...label.by_body import ASIDE_POINT, NamedPoints, judged
 from ...label.carried_places import carried_places
 from ...numerics.runs import equal_runs
 from ...track.simultaneous import Simultaneous
-from ...track.simultaneous.expected_places import Looked, points_where_expected, searched
 from ...track.simultaneous.learned_delays import VOLUME_MARGIN
-from ...track.simultaneous.neighbouring_points import TrackPoints
+from ...track.simultaneous.points.expected_places import Looked, points_where_expected, searched
+from ...track.simultaneous.points.neighbouring_points import TrackPoints
 from .named_tracks import NamedTracks
 from .naming import ghost_tracks, renumbered, tracker_names
 from .templates import SessionTemplate, prefix_of

@@ -1,10 +1,10 @@
 """Matching and tracking at once: from detections straight to tracks."""
 
 from ..two_cameras.former_two_cameras import FormerTwoCameras
-from .ambiguous import AmbiguousDecision, ambiguous_decisions, track_with_decisions
-from .diagnostics import diagnose
-from .diagnostics_of_points import diagnose_points
-from .diagnostics_of_tracks import diagnose_tracks
+from .diagnosis.ambiguous import AmbiguousDecision, ambiguous_decisions, track_with_decisions
+from .diagnosis.diagnostics import diagnose
+from .diagnosis.diagnostics_of_points import diagnose_points
+from .diagnosis.diagnostics_of_tracks import diagnose_tracks
 from .learned_delays import track_simultaneously
 from .simultaneous_method import Simultaneous
 from .track_detections import track_detections

@@ -25,16 +25,16 @@ from ...data import Cloud, Detections, Rig, Tracks
 from ...data.array_types import Bools, Ints
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors, usable_points
 from ...signal.common_time import moved_in_time
-from .candidate_points import fundamentals
 from .detection_index import Images, read_images
+from .following.candidate_points import fundamentals
+from .following.motion_scale import with_learned_motion
+from .joining.stitch import CLEAR_MARGIN, Stitch, stitched
 from .learned_delays import VOLUME_MARGIN, SeenTracks, late_images
-from .measurement_noise import Noise, learn_noise
-from .motion_scale import with_learned_motion
-from .neighbouring_points import TrackPoints
-from .second_pass import points_between
+from .noise.measurement_noise import Noise, learn_noise
+from .points.neighbouring_points import TrackPoints
+from .points.second_pass import points_between
+from .points.solved_points import Working, precise_enough, solved, solver_for
 from .simultaneous_method import DEFAULT, Simultaneous
-from .solved_points import Working, precise_enough, solved, solver_for
-from .stitch import CLEAR_MARGIN, Stitch, stitched
 
 UNSAID, NO_MARKER = -1, -2
 """What is said of a point that is of no marker by its number; by definition."""

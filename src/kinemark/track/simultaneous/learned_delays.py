@@ -22,18 +22,18 @@ from ...data.array_types import Floats
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...signal.common_time import image_flow, moved_in_time
 from ..stage import DETECTIONS, TRACK
-from .camera_strobes import without_strobes
 from .detection_index import Images, read_images
-from .misfitting_cameras import beside_tracks, image_offset
-from .missing_lens import missing_lenses
-from .moved_cameras import as_calibrated, moved_camera
-from .put_back import less_certain
-from .shifted_stretches import shifted_stretches
+from .rig.camera_strobes import without_strobes
+from .rig.misfitting_cameras import beside_tracks, image_offset
+from .rig.missing_lens import missing_lenses
+from .rig.moved_cameras import as_calibrated, moved_camera
+from .rig.put_back import less_certain
+from .rig.shifted_stretches import shifted_stretches
+from .rig.turned_camera import put_right, with_camera
+from .rig.unfitting_stretches import Stretch, is_followed, is_lost, unfitting_stretches, without_stretches
 from .simultaneous_method import Simultaneous
-from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
+from .times.time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
 from .tracker import CameraTimes, ImageOffset, TrackingResult, track_once
-from .turned_camera import put_right, with_camera
-from .unfitting_stretches import Stretch, is_followed, is_lost, unfitting_stretches, without_stretches
 
 _Track = Callable[[Detections, Rig], TrackingResult]
 """Tracks detections by cameras, in the way that the caller asks for."""

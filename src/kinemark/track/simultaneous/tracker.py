@@ -36,24 +36,23 @@ from ...data.array_types import Bools, Floats, Ints
 from ...geometry.weighted_points import ImageErrors, usable_points
 from ...numerics.returned_memory import return_memory
 from ...numerics.runs import begins
-from .adjusted_rig import adjusted_rig
-from .candidate_points import fundamentals
-from .companions import joined_pieces
 from .detection_index import Images, read_images
-from .drifting_pairs import usual_residuals
-from .exchanged_tails import with_exchanged_tails
-from .found_points import with_remaining, with_rigid_pass, with_second_pass
-from .given_up_points import with_merging, without_drifting, without_reflections
-from .likelihood import SURE, disagreement, evidence, point_evidence
-from .measurement_noise import Noise, sampled_frames
-from .missing_lens import MissingLenses
-from .motion_scale import count_images, in_windows, with_learned_motion
-from .moved_cameras import MovedCamera
-from .neighbouring_points import TrackPoints
-from .passes import Associations, run
-from .rival_pairs import without_rivalled
-from .simultaneous_method import Simultaneous
-from .solved_points import (
+from .following.candidate_points import fundamentals
+from .following.likelihood import SURE, disagreement, evidence, point_evidence
+from .following.motion_scale import count_images, in_windows, with_learned_motion
+from .following.passes import Associations, run
+from .ghosts.drifting_pairs import usual_residuals
+from .ghosts.given_up_points import with_merging, without_drifting, without_reflections
+from .ghosts.rival_pairs import without_rivalled
+from .ghosts.unmarked_merging import Merging, with_merging_in_images
+from .joining.companions import joined_pieces
+from .joining.exchanged_tails import with_exchanged_tails
+from .joining.stitch import Stitch, stitched
+from .noise.measurement_noise import Noise, sampled_frames
+from .noise.standing_noise import lasting_variance
+from .points.found_points import with_remaining, with_rigid_pass, with_second_pass
+from .points.neighbouring_points import TrackPoints
+from .points.solved_points import (
     Held,
     Solver,
     Working,
@@ -64,11 +63,12 @@ from .solved_points import (
     solver_for,
     with_few_smoothed,
 )
-from .standing_noise import lasting_variance
-from .stitch import Stitch, stitched
-from .told_by_tracks import of_tracks, with_noise
-from .unfitting_stretches import Stretch
-from .unmarked_merging import Merging, with_merging_in_images
+from .rig.adjusted_rig import adjusted_rig
+from .rig.missing_lens import MissingLenses
+from .rig.moved_cameras import MovedCamera
+from .rig.told_by_tracks import of_tracks, with_noise
+from .rig.unfitting_stretches import Stretch
+from .simultaneous_method import Simultaneous
 
 ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance that residuals of images have with the rig as given, the most that is left where the adjusted rig is

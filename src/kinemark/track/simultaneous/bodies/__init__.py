@@ -1,0 +1,1 @@
+"""Rigid bodies among the tracks, by whose places broken tracks are told."""

@@ -1,0 +1,1 @@
+"""What a run shows of its input, for whoever recorded it."""

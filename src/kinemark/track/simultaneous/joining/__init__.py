@@ -1,0 +1,1 @@
+"""Which fragments are one marker's trajectory, and which tracks go on as each other."""

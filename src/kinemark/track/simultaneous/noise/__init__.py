@@ -1,0 +1,1 @@
+"""How noisy images are, and what a calibration leaves in them."""

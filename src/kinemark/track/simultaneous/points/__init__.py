@@ -1,0 +1,1 @@
+"""Positions from images and motion, and points that a later pass finds."""

@@ -1,0 +1,1 @@
+"""When cameras take their images: delays, read-outs and uneven times."""

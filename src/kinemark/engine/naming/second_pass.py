@@ -4,7 +4,8 @@ Points are judged by where the others say that each marker is (`label.by_body`):
 pieces without a name join their marker, and a point far off is put aside where the marker's own images are found.
 Markers that have no point in a frame are looked for where the body expects them (`label.carried_places`), in the images
 that nobody has (`track.simultaneous.points.expected_places`). Each goes on from what the other found. At last, tracks
-without a name that are beside a named marker all along are its twins, made of others of its images, and no tracks any more.
+without a name that are beside a named marker all along are its twins, made of others of its images, and no tracks any
+more.
 
 Nothing is lost: points put aside stay in the cloud without a track, and what became of how many is a finding.
 """

@@ -63,8 +63,8 @@ def test_sentences_page_and_c3d_count_alike(folder):
     assert f"no images after frame {STOPS}; the recording ends with frame {last}." in stopped["text"]
     assert stopped["frames"] == [[STOPS + 1, last]]  # values and words say the same
     assert f"frame {LOST}." in lost["text"]
-    assert f"(frames {first} to {last})" in figures["verdict"]["sentences"][1]
-    for said in (stopped["text"], lost["text"], f"(frames {first} to {last})", f"the first is frame {first}."):
+    assert f"(frames {first}–{last})" in figures["verdict"]["sentences"][1]
+    for said in (stopped["text"], lost["text"], f"(frames {first}–{last})", f"the first is frame {first}."):
         assert said in page
     shown = [int(number) for number in re.findall(r"c\d+, frame (\d+)", page)]
     assert shown and set(shown) == {first}  # all images have all markers, so that the earliest are shown
@@ -76,7 +76,7 @@ def test_where_edits_trim_the_trial_numbers_stay(folder):
     span, figures, found, page = read(Session.open(folder).run()["one"].folder)
     assert span == (41, 90)
     assert f"after frame {STOPS}; " in found["camera_stopped"]["text"]
-    assert "(frames 41 to 90)" in page
+    assert "(frames 41–90)" in page
     assert figures["trajectories"]["first_frame"] == 41
 
 

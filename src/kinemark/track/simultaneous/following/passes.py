@@ -6,10 +6,10 @@ followed back from where it is seen again. So it is set aside and its images are
 that frame: kept, they would leave those that are right without a beginning, frame after frame. It returns where, after
 both passes, no other track has any of its images (1). One frame does not show a marker that flickers.
 
-Where accelerations as expected bend a track from one marker to the next, the recording is *crowded*: LEAST_GATE a T² > d
-(2), with the median d of the distances of the tracks that begin first to their nearest ones. There tracks begin that go
-to and fro between two markers, A B B A. Each leaves those after it no three images of one marker in succession, so that
-they do the same. So there new tracks are on trial at any rate, and one frame that does not show them is enough.
+Where accelerations as expected bend a track from one marker to the next, the recording is *crowded*: with the median
+d of the distances of the tracks that begin first to their nearest ones, LEAST_GATE a T² > d (2). There tracks begin
+that go to and fro between two markers, A B B A. Each leaves those after it no three images of one marker in succession,
+so that they do the same. So there new tracks are on trial at any rate, and one frame that does not show them is enough.
 """
 
 from __future__ import annotations

@@ -37,11 +37,14 @@ class Recording:
         self.whole = self.detection.copy()
         self.detection[2:, PART] = -1
 
-    def off(self, rows, px):
-        """The images of points (n) in the second camera of PAIR moved by px (n) across the lines of the first's."""
+    def off(self, rows, px, along=None):
+        """The images of points (n) in the second camera of PAIR moved by px (n) across the lines of the first's, or
+        along those of another camera's."""
         uv, (a, b) = self.images.uv.copy(), PAIR
+        a = a if along is None else along
         line = np.column_stack([uv[self.whole[a, rows]], np.ones(len(rows))]) @ fundamentals(self.images.P)[a, b].T
         away = line[:, :2] / np.linalg.norm(line[:, :2], axis=1)[:, None]
+        away = away if along is None else away[:, ::-1] * [-1, 1]
         uv[self.whole[b, rows]] += np.asarray(px)[:, None] * away
         self.images = self.images._replace(uv=uv)
         return self
@@ -192,6 +195,18 @@ def test_a_merged_image_does_not_tell_which_of_two_is_the_stranger():
     merged[one.whole[2, PART]] = True
     one.images = one.images._replace(merged=merged)
     np.testing.assert_array_equal(one.without_strangers(), one.detection)
+
+
+def test_a_merged_image_is_no_stranger_where_one_of_the_others_is():
+    """The stranger drifts past one of the others, and along the lines of the other."""
+    one = Recording().off(PART, 1.5 * TIME, along=2)
+    one.detection[2:, PART] = one.whole[2:, PART]
+    merged = one.images.merged.copy()
+    merged[one.whole[3, PART]] = True
+    one.images = one.images._replace(merged=merged)
+    gone = np.flatnonzero((one.without_strangers() != one.detection).any(1))
+    assert len(gone)
+    assert set(gone) <= set(PAIR)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -57,17 +57,16 @@ def side_by_side(frames, begin, vanish):
     return Detections.build(("c",), 100.0, counts, np.vstack(rows)), truth
 
 
-@pytest.mark.parametrize("vanish", [14, 45])
-def test_images_are_merged_until_one_of_both_vanishes(vanish):
-    """Soon, where most that are as near to a merging are merged ones; or long after it."""
-    detections, truth = side_by_side(60, 10, vanish)
+def test_images_are_merged_until_one_of_both_vanishes():
+    detections, truth = side_by_side(60, 10, 14)
     found = merged_in_images(read_images(detections, RIG), R)
     np.testing.assert_array_equal(found, truth)
 
 
-def test_where_noise_hides_such_a_jump_only_the_next_images_count():
+@pytest.mark.parametrize("noise", [0.0, 0.4])
+def test_where_none_vanishes_only_the_next_images_count(noise):
     detections, truth = side_by_side(60, 10, 60)
-    uv = detections.uv + np.random.default_rng(1).normal(0, 0.4, detections.uv.shape)
+    uv = detections.uv + np.random.default_rng(1).normal(0, noise, detections.uv.shape)
     found = merged_in_images(read_images(replace(detections, uv=uv), RIG), R)
     np.testing.assert_array_equal(np.flatnonzero(found), np.flatnonzero(truth)[:MOST])
 

@@ -7,10 +7,9 @@ that frame: kept, they would leave those that are right without a beginning, fra
 both passes, no other track has any of its images (1). One frame does not show a marker that flickers.
 
 Where accelerations as expected bend a track from one marker to the next, the recording is *crowded*: with the median
-d of the distances of new tracks to their nearest ones, LEAST_GATE a T² > d (2). Two markers in turn, A B B A, begin
-tracks there, and as these have one image of each frame, none is left in three frames in succession but of both markers
-in turn, frame after frame. So at any rate new tracks are on trial there, and one frame that does not show them is
-enough.
+d of the distances of the tracks that begin first to their nearest ones, LEAST_GATE a T² > d (2). There tracks begin
+that go to and fro between two markers, A B B A. Each leaves those after it no three images of one marker in succession,
+so that they do the same. So there new tracks are on trial at any rate, and one frame that does not show them is enough.
 """
 
 from __future__ import annotations
@@ -331,7 +330,7 @@ def _off_without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
 
 
 def _crowded(new: ActiveTracks, T: float, method: Simultaneous) -> bool:
-    """Whether (2) holds of new tracks in some frames."""
+    """Whether (2) holds of new tracks, each among those of its frame."""
     nearest = [np.zeros(0)]
     for frame in np.unique(new.frame):
         x = new.motion.position[:, new.frame == frame]

@@ -190,7 +190,7 @@ def without_strangers(
     while which.any():
         judged = _judged(frame, id, detection, which, images, usual, gate)
         rows = np.flatnonzero(judged.of_two)
-        worst = np.where(detection[:, rows] >= 0, judged.blame[:, rows], -np.inf).argmax(0)
+        worst = np.where(images.own(detection[:, rows]) >= 0, judged.blame[:, rows], -np.inf).argmax(0)
         detection[worst, rows] = -1
         which = judged.of_two & ((images.own(detection) >= 0).sum(0) >= SOUND)
     return detection
@@ -231,7 +231,7 @@ def _scored(
     """Of each pair of cameras, blocks of some points (P), their rows (B, n), and the scores."""
     order = np.flatnonzero(which)
     order = order[np.lexsort([frame[order], id[order]])]
-    own = [(of[order] >= 0) & ~images.merged[of[order]] for of in detection]
+    own = images.own(detection[:, order]) >= 0
     for (a, b), one in usual.of.items():
         rows = order[own[a] & own[b]]
         return_memory()

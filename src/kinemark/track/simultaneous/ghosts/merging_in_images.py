@@ -15,9 +15,8 @@ more than
     |y′ − y − v| = JUMP r + 2 m                                                              (3)
 
 with y′ the image in which y goes on, v at first the mean step of a and b, and m the median of |y′ − y − v|. From there
-on it is of one. What both ways tell is merged, and so are the first FAR frames after either. Where (3) is more than
-SHOWS r no jump would show. Then only what both ways tell within LONGEST frames is merged, and the first MOST after
-either: later, one of the two is as often hidden as merged.
+on it is of one. What both ways tell within LONGEST frames is merged, and so are the first MOST frames after either:
+later, one of the two is often hidden, and its image does not always jump.
 
 The tracker gives these images the variance (r / 4)², as they lie anywhere within r / 2 of either marker. What tracks
 tell of others (`unmarked_merging`) comes on top of it.
@@ -43,14 +42,11 @@ BETWEEN, ACROSS = 0.2, 0.25
 SURE = 0.25
 """Up to which share of r images lie beside y + v, in the median; chosen: more of where both were going is not known,
 and images of a plate at 10 Hz (0.8) were marked that are of one marker. Scenes in which it finds merging have 0.2."""
-JUMP, SHOWS = 0.1, 0.3
+JUMP = 0.1
 """Of (3), in r; chosen: of images beyond such a jump two to six in a hundred are merged ones, on eight scenes of four
-cameras (700042 to 860129). Where it is more than SHOWS, noise hides that one marker vanishes; chosen: half of r / 2 and
-a little more."""
-FAR = 40
-"""Frames, where a jump shows; chosen: of images 20 to 40 after a merging, without a jump, four in five are merged."""
+cameras (700042 to 860129)."""
 LONGEST, MOST = 20, 8
-"""Frames, where it does not; chosen: of images up to MOST after a merging four in five are merged ones, of later ones
+"""Frames; chosen: of images up to MOST after a merging four in five are merged ones, of later ones
 hardly more than half, but for those up to LONGEST from merging and from parting, of which five in six are."""
 
 
@@ -72,9 +68,8 @@ def merged_in_images(images: Images, r: float) -> Bools:
     if error > SURE * r:
         return np.zeros(len(images.uv), bool)
     jump = JUMP * r + 2 * error  # (3)
-    longest, most = (FAR, FAR) if jump < SHOWS * r else (LONGEST, MOST)
-    after, before = (_since(images, of, way, r, jump, longest) for of, way in ((links, 1), (links.reversed(), -1)))
-    soon = [(age >= 0) & (age < most) for age in (after, before)]
+    after, before = (_since(images, of, way, r, jump) for of, way in ((links, 1), (links.reversed(), -1)))
+    soon = [(age >= 0) & (age < MOST) for age in (after, before)]
     return np.asarray(((after >= 0) & (before >= 0)) | soon[0] | soon[1])
 
 
@@ -133,10 +128,10 @@ def _cells(images: Images, rows: Ints, step: int) -> tuple[Ints, Bools]:
     return np.where(inside, frame, 0) * len(images.P) + images.camera[rows], inside
 
 
-def _since(images: Images, links: _Links, step: int, r: float, jump: float, longest: int) -> Ints:
-    """(D) frames since two images ran together in each, fewer than `longest`; −1 where they did not."""
+def _since(images: Images, links: _Links, step: int, r: float, jump: float) -> Ints:
+    """(D) frames since two images ran together in each, fewer than LONGEST; −1 where they did not."""
     age, (now, v) = np.full(len(images.uv), -1), _begins(images, links, step, r)
-    for n in range(longest):
+    for n in range(LONGEST):
         if n:
             parted = _parted(images, links, now, r)
             now, v = now[~parted], v[~parted]

@@ -18,7 +18,7 @@ from ..bundle import Bundle, BundleFit
 from .wand import refitted, seen_by
 
 FEWEST_POSES, LEAST_FREEDOM = 24, 100
-"""Poses in a half, chosen: twice as many as cameras can be found from; ν_h of (1), chosen: with less, cameras of its own
+"""Poses in a half, chosen: twice as many as cameras can be found from; ν_h of (1), chosen: with less, a half's cameras
 please the errors of one smooth path. Half of 56 published places, all of one throw, had 2.15 by 46."""
 EXACT = 1e-3
 """px of residual, below which images are simulated ones and what is left is rounding; chosen."""

@@ -134,7 +134,7 @@ def test_a_subject_that_is_away_for_a_while_is_not_missing_then(names):
     assert figures["trajectories"]["in_view_runs"] == [[0, 30], [60, 90]]
     assert figures["trajectories"]["completeness_in_view_share"] == 1
     assert not found(figures, "incomplete")
-    assert "(frames 1 to 30 and 61 to 90), 100" in summary(figures)
+    assert "(frames 1–30, 61–90), 100" in summary(figures)
 
 
 def test_markers_that_are_lost_while_the_cameras_see_them_are_missing():

@@ -48,10 +48,10 @@ def standing_spots(groups: PixelGroups, *, height: int, width: int, frames: int)
 
 def _spots(place: Floats) -> Ints:
     """(G) the spot of each group at place (G, 2) px: of those not yet of one, all within APART of the first."""
-    spot, k, near = np.full(len(place), -1), 0, KDTree(place).query_ball_point(place, APART)
+    spot, k, tree = np.full(len(place), -1), 0, KDTree(place)
     for g in range(len(place)):
         if spot[g] < 0:
-            spot[[other for other in near[g] if spot[other] < 0]] = k
+            spot[[other for other in tree.query_ball_point(place[g], APART) if spot[other] < 0]] = k
             k += 1
     return spot
 

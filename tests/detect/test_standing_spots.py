@@ -1,11 +1,15 @@
 """Lamps that images keep as markers are told by never moving while others do, and masks of them are proposed."""
 
+import time
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from kinemark.data import Validity
 from kinemark.detect import detect_frames, propose
 from kinemark.detect.masks import masked
+from kinemark.detect.standing import standing_spots
 from kinemark.io.masks_toml import read_masks
 from kinemark.report.terminal_summary import proposal_text
 from kinemark.report.words import advice_of, text_of
@@ -68,3 +72,15 @@ def test_the_proposed_masks_leave_the_lamps_out_and_no_marker(tmp_path):
     left_out = [np.linalg.norm(LAMPS - uv, axis=1).min() < 1 for uv in before.uv]
     assert sum(left_out) == 2 * len(images)
     assert ((after.validity == Validity.MASKED) == left_out).all()
+
+
+def test_thousands_of_spots_of_clutter_take_no_time():
+    """20 000 took 6.5 s, twenty times as long as the rest of the proposal; now 0.04 s."""
+    n, rng = 20_000, np.random.default_rng(1)
+    left, top = (rng.integers(0, 2000, n) for _ in range(2))
+    frame = np.sort(rng.integers(0, 12, n))
+    places = {"left": left, "right": left + 2, "top": top + 2048 * frame, "bottom": top + 2 + 2048 * frame}
+    groups = SimpleNamespace(area=np.full(n, 9), frame=frame, **places)
+    start = time.process_time()
+    assert standing_spots(groups, height=2048, width=2048, frames=12) == ()
+    assert time.process_time() - start < 2

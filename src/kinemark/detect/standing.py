@@ -12,8 +12,9 @@ GROW px more, as masks of an empty recording have it (`masks.learn_masks`) (3).
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import KDTree
 
-from ..data.array_types import Bools, Floats, Ints
+from ..data.array_types import Floats, Ints
 from .grouping import PixelGroups
 
 FEWEST = 6
@@ -37,7 +38,7 @@ def standing_spots(groups: PixelGroups, *, height: int, width: int, frames: int)
         return ()
     u, v = (groups.left + groups.right) / 2, (groups.top + groups.bottom) / 2 % height
     spot = _spots(np.stack([u, v], 1))
-    number = np.array([len(np.unique(groups.frame[spot == k])) for k in range(int(spot.max()) + 1)])
+    number = np.bincount(np.unique(np.stack([spot, groups.frame]), axis=1)[0])  # of frames, a spot each
     stands = number >= ALWAYS * frames  # (1)
     moving = ~stands[spot]
     if len(np.unique(groups.frame[moving])) < ALWAYS * frames:  # (2)
@@ -47,11 +48,10 @@ def standing_spots(groups: PixelGroups, *, height: int, width: int, frames: int)
 
 def _spots(place: Floats) -> Ints:
     """(G) the spot of each group at place (G, 2) px: of those not yet of one, all within APART of the first."""
-    spot, k = np.full(len(place), -1), 0
+    spot, k, tree = np.full(len(place), -1), 0, KDTree(place)
     for g in range(len(place)):
         if spot[g] < 0:
-            near: Bools = (spot < 0) & (np.linalg.norm(place - place[g], axis=1) <= APART)
-            spot[near] = k
+            spot[[other for other in tree.query_ball_point(place[g], APART) if spot[other] < 0]] = k
             k += 1
     return spot
 

@@ -18,8 +18,8 @@ SIZE = (160, 240)
 LAMPS = np.array([(40.3, 149.0), (200.0, 120.2)])
 
 
-def film(lamps=LAMPS, *, moves=True, stands=0.0, flicker=0.0, frames=24, bits=8, seed=5):
-    """Frames (F, H, W) of eight discs that walk by, the first of which stands for a share of the time, and of lamps of
+def film(lamps=LAMPS, *, moves=True, stands=0.0, standing=1, flicker=0.0, frames=24, bits=8, seed=5):
+    """Frames (F, H, W) of eight discs that walk by, the first of which stand for a share of the time, and of lamps of
     their size and brightness."""
     rng = np.random.default_rng(seed)
     y, x = np.mgrid[: SIZE[0], : SIZE[1]]
@@ -28,7 +28,7 @@ def film(lamps=LAMPS, *, moves=True, stands=0.0, flicker=0.0, frames=24, bits=8,
     for f, image in enumerate(images):
         walked = f * np.array([6.0, 0.5]) * moves
         places = start + walked
-        places[0] = start[0] + np.array([6.0, 0.5]) * max(f - stands * frames, 0) * moves
+        places[:standing] = start[:standing] + np.array([6.0, 0.5]) * max(f - stands * frames, 0) * moves
         light = np.r_[np.full(len(places), 180.0), np.full(len(lamps), 180.0 * (1 + flicker * np.sin(2.1 * f)))]
         for (u, v), level in zip(np.vstack([places, lamps]), light, strict=True):
             image += level * np.clip(4.5 - np.hypot(x - u, y - v), 0, 1)
@@ -50,8 +50,22 @@ def test_lamps_are_named_with_their_places_and_what_to_do(bits, flicker):
 
 @pytest.mark.parametrize(
     "images",
-    [film(LAMPS[:0]), film(LAMPS[:0], stands=0.6), film(moves=False), film(frames=4)],
-    ids=["no lamps", "a foot that stands for a while", "nothing moves", "too few frames"],
+    [
+        film(LAMPS[:0]),
+        film(LAMPS[:0], stands=0.6),
+        film(moves=False),
+        film(stands=1.0, standing=6),
+        film(stands=0.9, standing=8),
+        film(frames=4),
+    ],
+    ids=[
+        "no lamps",
+        "a foot that stands for a while",
+        "nothing moves",
+        "only an arm moves",
+        "stands and walks off",
+        "too few frames",
+    ],
 )
 def test_nothing_is_said_where_nothing_stands_or_nothing_can_be_told(images):
     proposal = propose(images)

@@ -4,8 +4,8 @@ Of n frames spread over a recording, a place is one of a standing spot where
 
     a group of a marker's size lies within APART in ALWAYS of the frames and more,                        (1)
 
-which the foot of somebody who walks does not. Where every spot stands, nobody moved and nothing can be told, so in
-ALWAYS of the frames there must be another spot too (2). The mask of a spot is the rectangle round all its groups, and
+which the foot of somebody who walks does not. Where somebody stands still the markers stand as well, so that nothing
+can be told: in ALWAYS of the frames more spots must move than stand (2). The mask of a spot is the rectangle round all its groups, and
 GROW px more, as masks of an empty recording have it (`masks.learn_masks`) (3).
 """
 
@@ -40,8 +40,9 @@ def standing_spots(groups: PixelGroups, *, height: int, width: int, frames: int)
     spot = _spots(np.stack([u, v], 1))
     number = np.bincount(np.unique(np.stack([spot, groups.frame]), axis=1)[0])  # of frames, a spot each
     stands = number >= ALWAYS * frames  # (1)
-    moving = ~stands[spot]
-    if len(np.unique(groups.frame[moving])) < ALWAYS * frames:  # (2)
+    still = stands[spot]
+    standing, moving = (np.bincount(groups.frame[one], minlength=groups.frame.max() + 1) for one in (still, ~still))
+    if np.count_nonzero(moving > standing) < ALWAYS * frames:  # (2)
         return ()
     return tuple(_rectangle(groups.keep(spot == k), height, width) for k in np.flatnonzero(stands))
 

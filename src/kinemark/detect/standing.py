@@ -5,8 +5,8 @@ Of n frames spread over a recording, a place is one of a standing spot where
     a group of a marker's size lies within APART in ALWAYS of the frames and more,                        (1)
 
 which the foot of somebody who walks does not. Where somebody stands still the markers stand as well, so that nothing
-can be told: in ALWAYS of the frames more spots must move than stand (2). The mask of a spot is the rectangle round all its groups, and
-GROW px more, as masks of an empty recording have it (`masks.learn_masks`) (3).
+can be told: in ALWAYS of the frames more spots must move than stand (2). The mask of a spot is the rectangle round all
+its groups, and GROW px more, as masks of an empty recording have it (`masks.learn_masks`) (3).
 """
 
 from __future__ import annotations

@@ -12,7 +12,6 @@ its groups, and GROW px more, as masks of an empty recording have it (`masks.lea
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from ..data.array_types import Floats, Ints
 from .grouping import PixelGroups
@@ -49,6 +48,8 @@ def standing_spots(groups: PixelGroups, *, height: int, width: int, frames: int)
 
 def _spots(place: Floats) -> Ints:
     """(G) the spot of each group at place (G, 2) px: of those not yet of one, all within APART of the first."""
+    from scipy.spatial import KDTree  # slow to load, and asked for by proposals alone
+
     spot, k, tree = np.full(len(place), -1), 0, KDTree(place)
     for g in range(len(place)):
         if spot[g] < 0:

@@ -121,6 +121,7 @@ class TrackingResult(NamedTuple):
         doubtful: cameras, numbers, that seem to fit the others nowhere, where none was left out.
         shifted: of cameras that lay beside by little, in stretches of `unfitting` or of `moved`, what was found.
         moved: stretches in which a camera that was knocked has its images where it would have had them before.
+        resolution: px, below which two markers are one image that the file does not mark; 0 where none are merged.
     """
 
     tracks: Tracks
@@ -139,6 +140,7 @@ class TrackingResult(NamedTuple):
     doubtful: tuple[int, ...] = ()
     shifted: tuple[Finding, ...] = ()
     moved: tuple[MovedCamera, ...] = ()
+    resolution: float = 0.0
 
 
 def track_once(
@@ -187,7 +189,9 @@ def track_once(
     kept, number = np.unique(ids, return_inverse=True)
     final = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))
-    return TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times, rig)
+    return TrackingResult(
+        tracks, every, final, speaks, whole.stitches, images, noise, outside, times, rig, resolution=merging.resolution
+    )
 
 
 def _learned(

@@ -4,7 +4,7 @@
 | swap   | two tracks came so near that either could have had the other's images | nearer than gates (1), (3) |
 | swap   | a track was lost and found again | its standard deviation exceeded `Simultaneous.uncertain_sd` |
 | swap   | no image tells that two tracks go on as themselves | about as likely exchanged (`possible_exchanges`) |
-| merge  | a track used images of two markers | fewer than two images of its own |
+| merge  | a track used images of two markers | fewer than two images of its own, also as one camera alone shows |
 | ghost  | a track of little evidence | less than `WEAK_EVIDENCE` |
 | stitch | two tracks may be one marker | made or not, another stitch was nearly as likely, or the gap was wide (2) |
 
@@ -30,6 +30,7 @@ from ....data.finding import plain_value
 from ....numerics.returned_memory import return_memory
 from ....numerics.runs import equal_runs
 from ..following.passes import Associations
+from ..ghosts.merging_in_images import merged_in_images
 from ..joining.possible_exchanges import possible_exchanges
 from ..joining.stitch import CLEAR_MARGIN
 from ..learned_delays import track_simultaneously
@@ -116,8 +117,9 @@ def track_with_decisions(
 def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
     """The decisions of a run that were close, by frame."""
     return_memory()
-    own = (result.tracks.cloud.detection >= 0) & ~result.images.merged[result.tracks.cloud.detection]
-    near, merged = _of_associations(result, own, method)
+    detection = result.tracks.cloud.detection
+    own = (detection >= 0) & ~result.images.merged[detection]
+    near, merged = _of_associations(result, own & ~_merging(result)[detection], method)
     return_memory()
     found = [
         *near,
@@ -127,6 +129,17 @@ def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[Am
         *_close_stitches(result, method),
     ]
     return sorted(found, key=lambda decision: (decision.first, decision.last, decision.tracks))
+
+
+def _merging(result: TrackingResult) -> Bools:
+    """(D) images that their camera alone shows to be of two markers (`merging_in_images`), in a file that marks none.
+
+    The tracker believes it with three and four cameras; with more, most points' other images tell as much. They do not
+    where they are of both markers too.
+    """
+    if not result.resolution or result.images.common:
+        return np.zeros(len(result.images.merged), bool)
+    return merged_in_images(result.images, result.resolution)
 
 
 def _of_associations(

@@ -36,6 +36,7 @@ from ..joining.stitch import CLEAR_MARGIN
 from ..learned_delays import track_simultaneously
 from ..simultaneous_method import DEFAULT, Simultaneous
 from ..tracker import TrackingResult
+from .lost_beside import with_lost_ones
 
 WEAK_EVIDENCE = float(np.log(1000.0))
 """A marker is then a thousand times likelier than chance; chosen."""
@@ -121,9 +122,11 @@ def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[Am
     own = (detection >= 0) & ~result.images.merged[detection]
     near, merged = _of_associations(result, own & ~_merging(result)[detection], method)
     return_memory()
+    lost = with_lost_ones(result.tracks, result.images, result.resolution, method)
+    return_memory()
     found = [
         *near,
-        *_possible_exchanges(result.tracks, own, method),
+        *_possible_exchanges(result.tracks, own & ~lost, method),
         *merged,
         *_little_evidence(result),
         *_close_stitches(result, method),

@@ -154,7 +154,8 @@ def candidates(
         gate: of d².
 
     Returns:
-        Of each pair the place, the image's index, d² of (2) and the determinant |S| with the image's variance.
+        Of each pair, place by place: the place, the image's index, d² of (2), and the determinant |S| with the image's
+        variance.
 
     Raises:
         ValueError: an array has another shape or dtype, or there is no such cell.

@@ -29,6 +29,8 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from ....data.array_types import Bools, Floats, Ints
+from ....native import candidates
+from ....numerics.runs import equal_runs
 from ..detection_index import Images
 
 FARTHEST = 15.0
@@ -110,14 +112,14 @@ def _step_error(images: Images, links: _Links) -> float:
 def _nearest(images: Images, rows: Ints, step: int, place: Floats) -> Ints:
     """(n) of the images in the frame `step` later those nearest to places (n, 2) px, within FARTHEST; −1 for none."""
     cell, inside = _cells(images, rows, step)
-    query, row = images.near(cell, place[:, 0], np.full(len(rows), FARTHEST))
-    off = images.uv[row] - place[query]
-    squared = off[:, 0] ** 2 + off[:, 1] ** 2
-    near = np.flatnonzero((squared < FARTHEST**2) & inside[query])
-    order = near[np.lexsort([squared[near], query[near]])]
-    first = order[np.diff(query[order], prepend=-1) > 0]
-    out = np.full(len(rows), -1)
-    out[query[first]] = row[first]
+    alike, nothing, reach = np.ones(len(images.uv)), np.zeros((3, len(rows))), np.full(len(rows), FARTHEST)
+    query, row, squared, _ = candidates(
+        images.by_cell, alike, images.usable, cell, place.T, nothing, reach, gate=FARTHEST**2
+    )
+    cuts, out = equal_runs(query), np.full(len(rows), -1)
+    least = np.repeat(np.minimum.reduceat(squared, cuts[:-1]), np.diff(cuts)) if len(query) else squared
+    nearest = np.flatnonzero((squared == least) & inside[query])[::-1]  # the first of equal ones stays
+    out[query[nearest]] = row[nearest]
     return out
 
 

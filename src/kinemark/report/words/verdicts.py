@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...data import Finding
+from ..formatting import percent
 from .template import Words, fill, shown
 
 SOURCES = {
@@ -70,7 +71,10 @@ def _filled(found: Finding) -> str:
 
 
 def _gaps(found: Finding) -> str:
-    return "{gaps} {gaps:gap|gaps} left, the longest {longest_s}" if found.values["gaps"] else "no gaps left"
+    if found.values["gaps"]:
+        return "{gaps} {gaps:gap|gaps} left, the longest {longest_s}"
+    whole = found.values["complete_share"] is None or percent(found.values["complete_share"]) == percent(1.0)
+    return "no gaps left" if whole else "no gaps left between a marker's first and last sample"
 
 
 def _agreement(found: Finding) -> str:

@@ -271,3 +271,10 @@ def test_each_state_of_an_open_gap_says_why():
 def test_what_makes_an_angle_uncertain_is_told_without_terms_of_statistics(cause):
     said = text_of(make_finding("gait_deviations", knee_deg=3.8, cause=cause, variance_share=0.5))
     assert "variance" not in said and not said.endswith(f"is {cause}.")
+
+
+def test_words_point_to_where_things_are_wherever_they_are_read():
+    """On the page of a session and in the terminal nothing stood "below"."""
+    for kind, words in WORDS.items():
+        said = [part for part in words if isinstance(part, str)]
+        assert not [one for one in said if " below." in one or "points below" in one], kind

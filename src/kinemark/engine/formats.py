@@ -15,7 +15,8 @@ from ..io.formats import FORMATS, UNKNOWN_RATE, Content, ReadOptions, endings, r
 from ..io.notes import FileNote, read_notes
 from ..io.tdf import Tdf
 from ..io.trial import trial_in
-from .describe import FILE, describe
+from .describe import describe
+from .session_name import FILE
 
 __all__ = ["convert", "describe"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from ...data import Finding
-from ..formatting import percent
 from .template import Words, fill, shown
 
 SOURCES = {
@@ -73,7 +72,7 @@ def _filled(found: Finding) -> str:
 def _gaps(found: Finding) -> str:
     if found.values["gaps"]:
         return "{gaps} {gaps:gap|gaps} left, the longest {longest_s}"
-    whole = found.values["complete_share"] is None or percent(found.values["complete_share"]) == percent(1.0)
+    whole = shown(found.values["complete_share"], "share") in ("–", shown(1.0, "share"))
     return "no gaps left" if whole else "no gaps left between a marker's first and last sample"
 
 

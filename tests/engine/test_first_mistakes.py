@@ -179,3 +179,27 @@ def test_what_was_said_of_a_trial_that_was_renamed_is_not_passed_over(tmp_path, 
     app(["status", str(root)], result_action="return_value")
     told = " ".join(capsys.readouterr().err.split())
     assert "walk01.jsonl has what people said of a trial 'walk01'" in told and "empty" not in told
+
+
+def test_a_folder_inside_or_around_a_session_names_the_session(tmp_path, monkeypatch):
+    """`kinemark run lab/results` advised to make a second session in the results of the first."""
+    lab = tmp_path / "my lab"
+    (lab / "results").mkdir(parents=True)
+    (lab / "session.toml").write_text(WHOLE)
+    for wrong, meant in (("my lab/results", "'my lab'"), (".", "'my lab'")):
+        monkeypatch.chdir(tmp_path)
+        with pytest.raises(KinemarkError, match=f"Did you mean the session in {meant}"):
+            Session.open(wrong)
+    monkeypatch.chdir(lab / "results")
+    with pytest.raises(KinemarkError, match=r"Did you mean the session in .*my lab'"):
+        Session.open(".")
+
+
+def test_a_session_in_place_of_a_file_names_the_file(tmp_path):
+    (tmp_path / "session.toml").write_text(WHOLE)
+    with pytest.raises(KinemarkError, match="Process it with kinemark run"):
+        convert(tmp_path, tmp_path / "a.trc")
+    (tmp_path / "results" / "a").mkdir(parents=True)
+    (tmp_path / "results" / "a" / "a.c3d").touch()
+    with pytest.raises(KinemarkError, match=r"Give a file in its results, as .*a\.c3d"):
+        convert(tmp_path, tmp_path / "a.trc")

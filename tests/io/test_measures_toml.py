@@ -71,3 +71,10 @@ def test_offsets_in_radians_and_in_degrees_are_told_apart(stated, deg):
 
 def test_a_file_without_measures_has_none():
     assert measures_of(processed(LLegLength=900.0)) is None and measures_of("no C3D") is None
+
+
+def test_measures_typed_instead_of_a_file_say_what_the_file_holds():
+    with pytest.raises(
+        KinemarkError, match=r"leg=800 is not a file. Measures are read from a TOML file: .*leg_mm = 880"
+    ):
+        read_measures("leg=800")

@@ -149,6 +149,26 @@ def test_single_frames_in_view_are_no_spans():
     assert text.startswith("While the subject was in view (frames 1, 12, 25–90), 46.8")
 
 
+def test_missing_samples_beside_no_gaps_are_no_contradiction():
+    values = {"shown": None, "filled_share": 0.0, "gaps": 0, "longest_s": None}
+    some = text_of(make_finding("completeness", frames=[(1, 50)], complete_share=0.952, **values))
+    assert some.endswith("no gaps left between a marker's first and last sample.")
+    every = text_of(make_finding("completeness", frames=[(1, 50)], complete_share=1.0, **values))
+    assert every.endswith("no gaps left.")
+
+
+def test_what_the_body_did_not_change_is_not_said():
+    nothing = dict.fromkeys(("found", "renamed", "joined", "put_aside", "ghosts"), 0)
+
+    def said(**counts):
+        return text_of(make_finding("second_pass_by_body", markers=["A"], frames=[(3, 4)], **nothing | counts))
+
+    assert said(found=24) == (
+        "By the distances of the named body, 24 points were found that the tracker had missed: A; frames 3–4."
+    )
+    assert ", 1 point joins a marker and 2 tracks were taken for ghosts: A" in said(found=1, joined=1, ghosts=2)
+
+
 def test_lists_are_singular_and_plural_and_long_ones_are_cut():
     def missing(*names):
         one = make_finding("markers_never_seen", markers=names)
@@ -251,3 +271,10 @@ def test_each_state_of_an_open_gap_says_why():
 def test_what_makes_an_angle_uncertain_is_told_without_terms_of_statistics(cause):
     said = text_of(make_finding("gait_deviations", knee_deg=3.8, cause=cause, variance_share=0.5))
     assert "variance" not in said and not said.endswith(f"is {cause}.")
+
+
+def test_words_point_to_where_things_are_wherever_they_are_read():
+    """On the page of a session and in the terminal nothing stood "below"."""
+    for kind, words in WORDS.items():
+        said = [part for part in words if isinstance(part, str)]
+        assert not [one for one in said if " below." in one or "points below" in one], kind

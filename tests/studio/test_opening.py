@@ -27,6 +27,9 @@ def test_a_trial_that_another_copy_ran_says_so_and_is_run_again(folder, chromium
         page.get_by_text("stale", exact=True).wait_for()
         page.get_by_role("button", name="walk01", exact=True).click()
         page.get_by_text("It was run by Kinemark 0.0.9").first.wait_for()
+        page.get_by_role("button", name=re.compile("^Report")).click()
+        page.get_by_role("heading", name="Report", exact=True).wait_for()  # it was "Report of"
+        page.get_by_role("button", name=re.compile("^Tracks")).click()
         page.get_by_role("button", name="Run it", exact=True).click()
         page.get_by_text("Errors expected").first.wait_for()
         assert studio.errors == []

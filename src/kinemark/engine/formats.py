@@ -15,7 +15,8 @@ from ..io.formats import FORMATS, UNKNOWN_RATE, Content, ReadOptions, endings, r
 from ..io.notes import FileNote, read_notes
 from ..io.tdf import Tdf
 from ..io.trial import trial_in
-from .describe import describe, is_session, open_session
+from .describe import describe
+from .session_name import FILE
 
 __all__ = ["convert", "describe"]
 
@@ -80,7 +81,7 @@ def convert(
 
 def _contents(source: Path, options: ReadOptions) -> tuple[dict[Content, Any], tuple[str, ...]]:
     """What of a file can be written elsewhere, and what was odd in it."""
-    found = open_session(source) if is_session(source) else read_file(source, options)
+    found = read_file(source.parent if source.name == FILE else source, options)
     if isinstance(found, np.ndarray):
         if options.length_unit is None:
             raise KinemarkError(f"{source} holds DLT parameters of an unknown unit. Say --length-unit m or mm.")

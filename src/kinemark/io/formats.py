@@ -313,9 +313,13 @@ def read_file(path: Path, options: ReadOptions = ReadOptions()) -> Any:  # noqa:
 
         return open_images(path)
     if (path / "session.toml").is_file():
-        raise KinemarkError(
-            f"{path} is a session. Process it with kinemark run {typed(path)}, and give a file in its results."
+        done = sorted(file for file in path.glob("results/*/*.c3d") if file.stem == file.parent.name)
+        way = (
+            f"Give a file in its results, as {typed(done[0])}"
+            if done
+            else (f"Process it with kinemark run {typed(path)}, and give a file in its results")
         )
+        raise KinemarkError(f"{path} is a session. {way}.")
     if path.is_dir():
         raise KinemarkError(f"{path} is a folder without a session.toml. Name the files in it, as {path / '*.c3d'}.")
     if not path.exists():

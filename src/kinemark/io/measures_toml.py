@@ -34,6 +34,11 @@ def read_measures(path: Path | str) -> SubjectMeasures:
     Raises:
         KinemarkError: the file is absent or no TOML, a key is unknown, missing or no number, or no person is so.
     """
+    if not Path(path).is_file():
+        raise KinemarkError(
+            f"{path} is not a file. Measures are read from a TOML file: mass_kg = 61.5, then [left] and [right], each "
+            "with leg_mm = 880, knee_mm = 102 and ankle_mm = 68, of the subject."
+        )
     table = toml_table(read_text(path), str(path))
     try:
         return measures_of_table(table)

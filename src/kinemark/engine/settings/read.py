@@ -16,7 +16,7 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 
 from ...data import KinemarkError
-from ...data.nearest_word import are, guess
+from ...data.nearest_word import are, guess, some_names
 from ...data.typed import typed
 from ...io.toml_text import toml_table
 from .calibration_table import WAYS
@@ -111,6 +111,14 @@ KIND = re.compile(r"bool|(tuple|dict|literal)\[.*\]")
 """What pydantic puts into the place of a value that may be of several kinds."""
 
 
+def _nearby(path: Path) -> str:
+    """Which session may have been meant: the one that the folder belongs to, or those in its folders."""
+    above = [*path.parent.parents, *path.parent.absolute().parents]
+    owner = [folder for folder in above if (folder / path.name).is_file()][:1]
+    found = [typed(folder) for folder in owner or sorted(file.parent for file in path.parent.glob(f"*/{path.name}"))]
+    return f"Did you mean the session in {some_names(found)}? If not, make" if found else "Make"
+
+
 def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
     """The settings of a session file.
 
@@ -129,8 +137,8 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
             )
         if not path.is_file():
             raise KinemarkError(
-                f"{path} is not there. Make one from your recordings: kinemark init {typed(path.parent)}, or one to "
-                "look at: kinemark simulate FOLDER"
+                f"{path} is not there. {_nearby(path)} one from your recordings: kinemark init "
+                f"{typed(path.parent)}, or one to look at: kinemark simulate FOLDER"
             )
         return Settings.model_validate(_with(toml_table(path.read_text("utf-8-sig"), str(path)), overrides))
     except UnicodeDecodeError as error:

@@ -379,9 +379,9 @@ GAIT_WORDS = {
         "Time and distance of each direction stand in their section.",
     ),
     "gait_good": Words("Gait was measured and nothing stands out."),
-    "gait_usable": Words("Gait was measured. Look at the points below first."),
+    "gait_usable": Words("Gait was measured. First look at what needs attention."),
     "gait_unusable": Words("Gait was computed from markers that are exchanged: do not use it before that is mended."),
-    "gait_missing": Words("There is no gait result: the reasons stand below."),
+    "gait_missing": Words("There is no gait result: what needs attention says why."),
     "gait_measured": Words(
         "{left_strides} left and {right_strides} right {right_strides:stride|strides}, {speed:2} at {cadence:0} steps "
         "a minute."

@@ -42,6 +42,23 @@ def _stated_exchanged(found: Finding) -> str:
     return said + ("; other trials do not learn them." if by_template else ".")
 
 
+BY_BODY = {
+    "found": "{found} {found:point was|points were} found that the tracker had missed",
+    "renamed": "{renamed} {renamed:point changes its name|points change their names}",
+    "joined": "{joined} {joined:point joins|points join} a marker",
+    "put_aside": "{put_aside} {put_aside:point is|points are} put aside",
+    "ghosts": "{ghosts} {ghosts:track was|tracks were} taken for ghosts",
+}
+"""What the named body may change, by the name of its number."""
+
+
+def _by_body(found: Finding) -> str:
+    """Only what was changed: noughts say nothing."""
+    *before, last = [fill(words, found) for key, words in BY_BODY.items() if found.values[key]] or ["nothing changes"]
+    changed = f"{', '.join(before)} and {last}" if before else last
+    return fill(f"By the distances of the named body, {changed}: {{marker_names}}; {{frames}}.", found)
+
+
 LABELLING_WORDS = {
     "labels_refused": Words(
         "The template does not fit: the best labelling scores {fit_share} of what the template scores on its own data "
@@ -93,10 +110,7 @@ LABELLING_WORDS = {
         "Look at these frames in the images.",
     ),
     "second_pass_by_body": Words(
-        "By the distances of the named body, {found} {found:point was|points were} found that the tracker had missed, "
-        "{renamed} {renamed:changes its name|change their names}, {joined} {joined:joins|join} a marker, {put_aside} "
-        "{put_aside:is|are} put aside, and {ghosts} {ghosts:track was|tracks were} taken for ghosts: {marker_names}; "
-        "{frames}.",
+        _by_body,
         "Look at these frames in the images; second_pass = false in [label] leaves the tracks as they were.",
     ),
     "stated_names_lost": Words(

@@ -265,5 +265,5 @@ TRIAL_WORDS = {
         "{points_share} of the 3D points belong to no track: ghosts, or markers that were lost.",
         "Click them in the scene: if they follow the subject, check rate_hz and the parameters of [track].",
     ),
-    "close_decisions": Words(_close, "They are listed with their times and reasons below."),
+    "close_decisions": Words(_close, "The report lists them with times and reasons, under Decisions that were close."),
 }

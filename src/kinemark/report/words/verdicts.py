@@ -21,10 +21,10 @@ def calibration_headline(found: Finding) -> str:
     if grade == "green":
         return f"The calibration is good: {_good_for(found)}."
     if grade == "amber":
-        return f"Usable with care: {_good_for(found)}, but look at the points below first."
+        return f"Usable with care: {_good_for(found)}, but first look at what needs attention."
     if "unknown" in (grade, found.kind.removeprefix("calibration_")):
         return "What this calibration is good for is not known: it states no uncertainty."
-    return "Do not use this calibration: the reasons stand below."
+    return "Do not use this calibration: what needs attention says why."
 
 
 def _good_for(found: Finding) -> str:
@@ -70,7 +70,10 @@ def _filled(found: Finding) -> str:
 
 
 def _gaps(found: Finding) -> str:
-    return "{gaps} {gaps:gap|gaps} left, the longest {longest_s}" if found.values["gaps"] else "no gaps left"
+    if found.values["gaps"]:
+        return "{gaps} {gaps:gap|gaps} left, the longest {longest_s}"
+    whole = shown(found.values["complete_share"], "share") in ("–", shown(1.0, "share"))
+    return "no gaps left" if whole else "no gaps left between a marker's first and last sample"
 
 
 def _agreement(found: Finding) -> str:
@@ -197,7 +200,7 @@ def _most_missed(found: Finding) -> str:
 
 VERDICT_WORDS = {
     "trial_good": Words("Good to use."),
-    "trial_usable": Words("Usable with care: look at the points below first."),
+    "trial_usable": Words("Usable with care: first look at what needs attention."),
     "trial_unknown": Words(
         "How good these data are is not known: the calibration states no error. Compare a known length, or calibrate "
         "anew, before you trust distances."

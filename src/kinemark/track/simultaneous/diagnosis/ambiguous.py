@@ -32,8 +32,8 @@ from ....numerics.runs import equal_runs
 from ..following.passes import Associations
 from ..joining.possible_exchanges import possible_exchanges
 from ..joining.stitch import CLEAR_MARGIN
-from ..learned_delays import track_simultaneously
 from ..simultaneous_method import DEFAULT, Simultaneous
+from ..simultaneous_tracking import track_simultaneously
 from ..tracker import TrackingResult
 
 WEAK_EVIDENCE = float(np.log(1000.0))

@@ -7,7 +7,7 @@ import pytest
 
 from kinemark.data import Cloud, Detections, Rig, Tracks
 from kinemark.geometry import project
-from kinemark.track.simultaneous import Simultaneous, diagnose, learned_delays, track_simultaneously
+from kinemark.track.simultaneous import Simultaneous, diagnose, simultaneous_tracking, track_simultaneously
 from kinemark.track.simultaneous.rig.moved_cameras import MovedCamera, as_calibrated, moved_camera
 from kinemark.track.simultaneous.rig.rig_of_tracks import changed_camera
 from kinemark.track.simultaneous.rig.unfitting_stretches import Stretch
@@ -55,7 +55,7 @@ def test_within_a_recording_its_images_are_put_where_they_would_have_been(knocke
 
 def test_it_takes_no_part_where_the_others_cannot_put_it_back(knocked, monkeypatch):
     rig, xyz, beside = knocked
-    monkeypatch.setattr(learned_delays, "moved_camera", lambda *_: None)
+    monkeypatch.setattr(simultaneous_tracking, "moved_camera", lambda *_: None)
     result = track_simultaneously(beside(SINCE), rig, Simultaneous())
     (stretch,) = result.unfitting
     cloud = result.tracks.cloud
@@ -127,8 +127,10 @@ def _put_back_ratios(seed):
 def test_points_with_an_image_of_the_knocked_camera_are_less_certain(knocked, monkeypatch):
     rig, _, beside = knocked
     kept = []
-    said = learned_delays.less_certain
-    monkeypatch.setattr(learned_delays, "less_certain", lambda result, back: kept.append(result) or said(result, back))
+    said = simultaneous_tracking.less_certain
+    monkeypatch.setattr(
+        simultaneous_tracking, "less_certain", lambda result, back: kept.append(result) or said(result, back)
+    )
     cloud = track_simultaneously(beside(SINCE), rig, Simultaneous()).tracks.cloud
     more = np.trace(cloud.cov - kept[0].tracks.cloud.cov, axis1=1, axis2=2)
     own = (cloud.frame >= SINCE + 1) & (cloud.detection[:, TOUCHED] >= 0)

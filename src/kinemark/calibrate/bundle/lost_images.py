@@ -29,6 +29,7 @@ from ...data.detections import NOT_ROWS
 from ...geometry import undistort
 from ...geometry.epipolar import fundamental
 from ...geometry.two_view import sampson_distance
+from ...numerics.later_frames import in_later_frames
 
 LEAST_SPREAD = 0.3
 """px; noise below which epipolar distances are not believed; chosen, as for a wand's ends."""
@@ -118,11 +119,11 @@ def in_place(detections: Detections, ahead: Ints) -> Detections:
 
 def _squares(rig: Rig, ends: Floats, ahead: Ints, c: int) -> Floats:
     """Σ d² of (1), px² (2 MOST + 1, F), of camera c at n images more than `ahead` (C, F) says."""
-    tried = np.stack([_moved(ends[c], ahead[c] + n) for n in range(-MOST, MOST + 1)])
+    tried = np.stack([in_later_frames(ends[c], ahead[c] + n) for n in range(-MOST, MOST + 1)])
     found = []
     for b in range(len(rig)):
         if b != c:
-            other, E = _moved(ends[b], ahead[b]), fundamental(rig[c].P, rig[b].P)
+            other, E = in_later_frames(ends[b], ahead[b]), fundamental(rig[c].P, rig[b].P)
             either = [(sampson_distance(E, tried, one) ** 2).sum(-1) for one in (other, other[:, ::-1])]
             found.append(np.minimum(*either))
     return _median(np.stack(found))
@@ -132,13 +133,6 @@ def _median(each: Floats) -> Floats:
     """Along the first axis, of an even number the lower, NaN where there are none."""
     ordered, n = np.sort(each, axis=0), np.isfinite(each).sum(0)
     return np.take_along_axis(ordered, np.maximum(n - 1, 0)[None] // 2, axis=0)[0]
-
-
-def _moved(uv: Floats, ahead: Ints) -> Floats:
-    """uv (F, …) with image f − ahead (F) in frame f, NaN where there is none."""
-    source = np.arange(len(uv)) - ahead
-    there = (source >= 0) & (source < len(uv))
-    return np.where(there[:, None, None], uv[np.clip(source, 0, len(uv) - 1)], np.nan)
 
 
 def _paths(e: Floats) -> tuple[Ints, Floats]:

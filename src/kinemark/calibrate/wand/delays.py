@@ -24,8 +24,9 @@ from itertools import combinations
 import numpy as np
 
 from ...data import KinemarkError
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Floats
 from ...numerics.evenly import evenly
+from ...numerics.later_frames import in_later_frames
 from .ends import FEWEST, LEAST_SPREAD, SAMPLES, epipolar_costs
 
 WITHIN = (6, 25, 100)
@@ -157,18 +158,11 @@ def at_times(uv: Floats, delay: float) -> Floats:
     """Markers (F, K, 2) of a camera that is late by so many images at the times of the frames, by (1)."""
     whole = round(delay)
     s = whole - delay
-    at = _moved(uv, whole)
+    at = in_later_frames(uv, whole)
     if s == 0:
         return at
-    before, after = (_alike(_moved(uv, whole + k), at) for k in (1, -1))
+    before, after = (_alike(in_later_frames(uv, whole + k), at) for k in (1, -1))
     return at + s * (after - before) / 2 + s**2 * (after - 2 * at + before) / 2
-
-
-def _moved(uv: Floats, images: int) -> Floats:
-    """uv (F, …) with image f − images in frame f, NaN where there is none."""
-    source: Ints = np.arange(len(uv)) - images
-    there = (source >= 0) & (source < len(uv))
-    return np.where(there[:, None, None], uv[np.clip(source, 0, len(uv) - 1)], np.nan)
 
 
 def _alike(uv: Floats, near: Floats) -> Floats:

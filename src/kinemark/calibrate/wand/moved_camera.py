@@ -16,6 +16,7 @@ import numpy as np
 from ...data import Detections, KinemarkError, Rig
 from ...data.array_types import Bools, Ints
 from ...data.detections import Validity
+from ...numerics.later_frames import in_later_frames
 from ..bundle import BundleFit
 from ..bundle.camera_step import CameraStep
 from ..bundle.one_side import from_one_side, uncertain
@@ -49,10 +50,7 @@ def rigs_of_parts(
 
 def _later(rows: Ints, late: Ints) -> Ints:
     """Rows (C, F, K) of image f − late (C) in frame f, −1 where there is none."""
-    source = np.arange(rows.shape[1]) - late[:, None]
-    there = (source >= 0) & (source < rows.shape[1])
-    taken = np.take_along_axis(rows, np.clip(source, 0, rows.shape[1] - 1)[..., None], 1)
-    return np.where(there[..., None], taken, -1)
+    return np.stack([in_later_frames(own, n, missing=-1) for own, n in zip(rows, late.tolist(), strict=True)])
 
 
 def since_step(step: CameraStep, detections: Detections, one_side: Callable[[Detections], InTime]) -> BundleFit | None:

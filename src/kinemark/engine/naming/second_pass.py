@@ -28,9 +28,9 @@ from ...label.by_body import ASIDE_POINT, NamedPoints, judged
 from ...label.carried_places import carried_places
 from ...numerics.runs import equal_runs
 from ...track.simultaneous import Simultaneous
-from ...track.simultaneous.learned_delays import VOLUME_MARGIN
 from ...track.simultaneous.points.expected_places import Looked, points_where_expected, searched
 from ...track.simultaneous.points.neighbouring_points import TrackPoints
+from ...track.simultaneous.simultaneous_tracking import VOLUME_MARGIN
 from .named_tracks import NamedTracks
 from .naming import ghost_tracks, renumbered, tracker_names
 from .templates import SessionTemplate, prefix_of

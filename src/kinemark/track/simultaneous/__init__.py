@@ -5,8 +5,8 @@ from .diagnosis.ambiguous import AmbiguousDecision, ambiguous_decisions, track_w
 from .diagnosis.diagnostics import diagnose
 from .diagnosis.diagnostics_of_points import diagnose_points
 from .diagnosis.diagnostics_of_tracks import diagnose_tracks
-from .learned_delays import track_simultaneously
 from .simultaneous_method import Simultaneous
+from .simultaneous_tracking import track_simultaneously
 from .track_detections import track_detections
 from .tracker import TrackingResult
 

@@ -29,12 +29,13 @@ from .detection_index import Images, read_images
 from .following.candidate_points import fundamentals
 from .following.motion_scale import with_learned_motion
 from .joining.stitch import CLEAR_MARGIN, Stitch, stitched
-from .learned_delays import VOLUME_MARGIN, SeenTracks, late_images
+from .learned_delays import SeenTracks, late_images
 from .noise.measurement_noise import Noise, learn_noise
 from .points.neighbouring_points import TrackPoints
 from .points.second_pass import points_between
 from .points.solved_points import Working, precise_enough, solved, solver_for
 from .simultaneous_method import DEFAULT, Simultaneous
+from .simultaneous_tracking import VOLUME_MARGIN
 
 UNSAID, NO_MARKER = -1, -2
 """What is said of a point that is of no marker by its number; by definition."""

@@ -33,8 +33,8 @@ from ..following.passes import Associations
 from ..ghosts.merging_in_images import merged_in_images
 from ..joining.possible_exchanges import possible_exchanges
 from ..joining.stitch import CLEAR_MARGIN
-from ..learned_delays import track_simultaneously
 from ..simultaneous_method import DEFAULT, Simultaneous
+from ..simultaneous_tracking import track_simultaneously
 from ..tracker import TrackingResult
 from .lost_beside import with_lost_ones
 

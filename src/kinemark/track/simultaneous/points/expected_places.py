@@ -21,8 +21,8 @@ from ....native import inverse
 from ..facts import tracked_images
 from ..following.candidate_points import intersect
 from ..following.kalman_states import KalmanStates, initial_states, predict, reversed_time, update
-from ..learned_delays import VOLUME_MARGIN
 from ..simultaneous_method import DEFAULT, Simultaneous
+from ..simultaneous_tracking import VOLUME_MARGIN
 from .neighbouring_points import RowsByTrack, TrackPoints, between, motion_from, rows_near
 from .second_pass import images_where_expected
 from .solved_points import Working, precise_enough, solved, solver_for

@@ -1,9 +1,9 @@
 """Where cameras that lie beside the others by a few pixels (`shifted_cameras`) are put right, or left out.
 
 Their images are near enough to be associated, and take the points along: the others' noise does not say by how much. So
-all is tracked again without them (`learned_delays`). Where the whole calibration is off, each camera lies beside by
-something, and what one of them says of another is no better. So one that lies beside in the whole recording counts if
-its images lie beside by
+all is tracked again without them (`simultaneous_tracking`). Where the whole calibration is off, each camera lies beside
+by something, and what one of them says of another is no better. So one that lies beside in the whole recording counts
+if its images lie beside by
 
     d > CLEAR · max over the others of theirs                                              (1)
 

@@ -10,6 +10,7 @@ import pytest
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
 from kinemark.io.control_points import read_control_points
 from kinemark.io.detections_csv import read_detections_csv
+from kinemark.io.dlt_csv import read_dlt_csv
 from kinemark.io.named_points_csv import read_named_detections
 from kinemark.io.number_text import separator
 from kinemark.io.track_names import read_track_names
@@ -101,6 +102,19 @@ def test_tables_of_points_and_names_as_spreadsheets_save_them(tmp_path):
     assert [(one.track, one.name, one.last) for one in read_track_names(file)] == [("*1", "LASI", 20)]
     file.write_bytes("camera;frame;marker;u_px;v_px\nc1;0;A;1,5;2\n".encode("utf-16"))
     assert read_named_detections(file, rate=1.0).detections.uv.tolist() == [[1.5, 2.0]]
+
+
+def test_a_table_without_a_heading_may_have_decimal_commas(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("".join(f"{k},5;{k},25\n" for k in range(11)))
+    assert read_dlt_csv(file).tolist() == [[k + 0.5 for k in range(11)], [k + 0.25 for k in range(11)]]
+
+
+@pytest.mark.parametrize("ending", [".csv", ".tsv", ".txt"])
+def test_an_empty_table_is_called_so(tmp_path, ending):
+    (tmp_path / f"a{ending}").touch()
+    with pytest.raises(KinemarkError, match="is empty"):
+        read_trial(tmp_path / f"a{ending}")
 
 
 def test_quotes_and_line_breaks_in_cells(tmp_path):

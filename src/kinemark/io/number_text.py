@@ -36,13 +36,15 @@ def read_head(path: Path | str) -> str:
     """The beginning of a text file, which tells what it is; the first MiB, so that its last character may be cut.
 
     Raises:
-        KinemarkError: it is absent, unreadable or binary.
+        KinemarkError: it is absent, empty, unreadable or binary.
     """
     try:
         with Path(path).open("rb") as file:
             data = file.read(HEAD_BYTES)
     except OSError as error:
         raise KinemarkError(f"{path} cannot be read: {error.strerror}. Check the path.") from error
+    if not data:
+        raise KinemarkError(f"{path} is empty. Export or copy it again.")
     return _decoded(path, data)
 
 

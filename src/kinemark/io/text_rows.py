@@ -64,7 +64,8 @@ def csv_rows(path: Path | str) -> Sequence[tuple[int, list[str]]]:
     kept = [(number, line) for number, line in enumerate(lines, 1) if line.strip(blank)]
     del lines
     if mark != "," and not any("." in line for _, line in kept[1:]):
-        kept[1:] = [(number, line.replace(",", ".")) for number, line in kept[1:]]
+        head = int(any(map(str.isalpha, kept[0][1]))) if kept else 0  # a table may have no heading, as one of DLT
+        kept[head:] = [(number, line.replace(",", ".")) for number, line in kept[head:]]
 
     def cut(line: str) -> list[str]:
         return next(csv.reader([line], delimiter=mark)) if '"' in line else line.split(mark)

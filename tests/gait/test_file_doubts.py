@@ -16,7 +16,14 @@ from kinemark.gait.estimated_measures import mass_on_plates
 from kinemark.gait.foot_events import foot_events
 from kinemark.gait.marker_doubts import MarkerDoubts, marker_doubts
 from kinemark.gait.plate_contacts import Contact
-from kinemark.gait.plate_doubts import PlateDoubt, plate_doubts, saturation_doubts, time_doubts, weight_doubts
+from kinemark.gait.plate_doubts import (
+    PlateDoubt,
+    plate_doubts,
+    saturation_doubts,
+    time_doubts,
+    unit_doubts,
+    weight_doubts,
+)
 from kinemark.gait.reaction import Reaction
 from kinemark.io.c3d.subject_measures import measures_of
 from kinemark.io.trial import read_trial
@@ -393,6 +400,30 @@ def test_a_plate_that_is_cut_off_at_its_limit_is_told_though_nobody_states_the_m
 
     found = saturation_doubts(walk.plates, [cut(block) if vertical in block.names else block for block in walk.analog])
     assert [(one.plate, one.what) for one in found] == [(1, "saturated")] and 0.2 < found[0].value < 0.9
+
+
+@pytest.mark.parametrize(("unit", "factor", "doubted"), [("", 1e-3, True), ("kN", 1e-3, False), ("", 1.0, False)])
+def test_a_plate_in_kilonewtons_that_states_no_unit(unit, factor, doubted):
+    walk = lab().walk
+    forces = {name for plate in walk.plates for name in plate.channels}
+
+    def other(block):
+        own = np.isin(block.names, list(forces))
+        units = tuple(unit if mine else text for mine, text in zip(own, block.units, strict=True))
+        return replace(block, units=units, values=np.where(own[:, None], factor, 1.0) * block.values)
+
+    found = unit_doubts(walk.plates, [other(block) for block in walk.analog])
+    assert [(one.plate, one.what) for one in found] == ([(k, "unit") for k in range(len(walk.plates))] * doubted)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_noise_of_a_plate_on_which_nobody_steps_is_no_load_in_kilonewtons(seed):
+    walk, rng = lab().walk, np.random.default_rng(seed)
+    blocks = [
+        replace(block, units=("",) * len(block.units), values=rng.normal(0, 0.4, block.values.shape))
+        for block in walk.analog
+    ]
+    assert unit_doubts(walk.plates, blocks) == ()
 
 
 @pytest.mark.parametrize("seed", [21, 22])

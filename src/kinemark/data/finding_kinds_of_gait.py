@@ -40,8 +40,8 @@ GAIT_KINDS = (
          "centre of pressure is that share of the foot's length aside of it), backward (it goes that share forward), "
          "askew (its force does not point to the body; the least likeness), weight (that share off the stated one), "
          "saturated (that share of the samples under load), time (of its events against the markers'), elsewhere "
-         "(nobody is near while it is loaded as by a foot that stands then) or origin (its sensors are so far from its "
-         "surface or its middle).",
+         "(nobody is near while it is loaded as by a foot that stands then), origin (its sensors are so far from its "
+         "surface or its middle) or unit (none is stated, and in N its force reaches that share of the least load).",
          {"trial": "text", "plate": "count", "what": "text", "by_share": "share", "late_ms": "ms", "away_mm": "mm"}),
     Kind("foot_offsets_unknown", "gait", "amber", "No static trial, and no offsets stated: ankle and foot angles are "
          "those of the line from ankle to toe."),

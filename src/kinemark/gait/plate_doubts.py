@@ -26,6 +26,9 @@ share of the height between them, and f the force's level part as a share of the
 
 of their components along the way in which the pelvis goes over the foot, and square to it, tell of a plate that is
 mirrored or turned, whatever its centre of pressure.
+
+A plate whose file states no unit of force, which rests for a part of the time and then bears up to a few of that unit,
+bears persons in kN (8): in N it would never be loaded.
 """
 
 from __future__ import annotations
@@ -41,7 +44,7 @@ from ..data.array_types import Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES
 from .plate_contacts import Contact
-from .reaction import Reaction, plate_axes
+from .reaction import THRESHOLD_N, Reaction, plate_axes
 from .segments import Z_UP, along_floor, unit
 
 LOADED = 0.2
@@ -74,13 +77,20 @@ CARRYING = {1: slice(2, 3), 2: slice(2, 5), 3: slice(4, 8), 4: slice(2, 5), 5: s
 DEPTH_MM = (2.0, 500.0)
 """How far (6) sensors are off the surface, mm, where that is stated; chosen: of 20 public plates 16 to 101."""
 
+VERTICAL = {1: slice(2, 3), 2: slice(2, 3), 3: slice(4, 8)}
+"""Channels whose sum is the vertical force, by the type of plate; of the file format. Others need a matrix."""
+IN_KN = (0.1, 4.0)
+"""Greatest vertical force (8), kN; chosen: of a child of 10 kg, and of 140 kg that run."""
+AT_REST = (0.02, 0.1)
+"""Share of that force within which a plate rests (8), and share of the samples that do; chosen: of mere noise hardly
+a hundredth lies there."""
 TOWARDS = (0.3, -0.5)
 """c of (7) along the way and square to it, below which a plate is doubted; chosen: in 24 contacts of 14 public walks
 and turns the least were 0.72 and −0.05."""
 PELVIS = ("LASI", "RASI", "SACR", "LPSI", "RPSI")
 """Markers whose mean stands for the body in (7); conventional."""
 
-PlateFault = Literal["beside", "backward", "askew", "weight", "time", "saturated", "elsewhere", "origin"]
+PlateFault = Literal["beside", "backward", "askew", "weight", "time", "saturated", "elsewhere", "origin", "unit"]
 
 
 class PlateDoubt(NamedTuple):
@@ -194,6 +204,25 @@ def _cut(x: Floats) -> float:
     under = away > LOADED * away.max()
     there = int((x == x[away.argmax()]).sum())
     return there / int(under.sum()) if there >= CUT_SAMPLES and away.max() >= FINE * steps.min() else 0.0
+
+
+def unit_doubts(plates: Sequence[ForcePlate], analog: Sequence[Analog]) -> tuple[PlateDoubt, ...]:
+    """Plates without a stated unit of force that are loaded in kN by (8), with their force in N as a share of the least
+    load."""
+    found = []
+    for k, plate in enumerate(plates):
+        names = plate.channels[VERTICAL.get(plate.type, slice(0))]
+        block = next((one for one in analog if names and {*names} <= {*one.names}), None)
+        if block is None or any(block.units[block.names.index(name)].strip() for name in names):
+            continue
+        force = np.sum([block[name] for name in names], axis=0)
+        force = np.sort(force[np.isfinite(force)])
+        most = float(np.ptp(force)) if len(force) else 0.0
+        near = AT_REST[0] * most
+        resting = max((force < force[0] + near).mean(), (force > force[-1] - near).mean()) if most else 0.0
+        if IN_KN[0] < most < IN_KN[1] and resting > AT_REST[1]:
+            found.append(PlateDoubt(k, "unit", most / THRESHOLD_N))
+    return tuple(found)
 
 
 def _same(plate: FootEvent, marker: FootEvent, strike: bool) -> bool:

@@ -6,7 +6,6 @@ empty, or `nan`, where a camera does not see the point.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -16,7 +15,8 @@ import numpy as np
 from ..data import Detections, KinemarkError
 from ..data.array_types import Bools, Floats
 from .csv_table import write_table
-from .number_text import read_text
+from .number_text import number
+from .text_rows import csv_table
 
 SNAP = 8.0  # px; an operator points within this distance of a marker's centre; chosen
 
@@ -36,16 +36,12 @@ def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | N
     Raises:
         KinemarkError: a column is missing, a cell is no number, or no marker is where the operator pointed.
     """
-    try:
-        reader = csv.DictReader(read_text(path).splitlines())
-        rows, heading = list(reader), reader.fieldnames or ()
-    except csv.Error as error:
-        raise KinemarkError(f"{path} is no CSV file: {error}. Save it again.") from error
+    heading, rows = csv_table(path)
     wanted = ["x_mm", "y_mm", "z_mm", *(f"{c}_{axis}_px" for c in cameras for axis in "uv")]
     if missing := [name for name in wanted if name not in heading]:
         raise KinemarkError(f"{path} lacks the columns {', '.join(missing)}. Add them; cells may be empty.")
     try:
-        table = np.array([[float(row[name] or "nan") for name in wanted] for row in rows])
+        table = np.array([[number(row[name]) for name in wanted] for row in rows])
     except (TypeError, ValueError) as error:
         raise KinemarkError(f"{path} has a cell that is no number: {error}. Correct it.") from error
     if not len(table):
@@ -118,14 +114,11 @@ def read_pointed(path: Path, cameras: Sequence[str]) -> PointedPoints:
     Raises:
         KinemarkError: names or places are missing, a name comes twice, or a cell is no number.
     """
-    try:
-        rows = list(csv.DictReader(read_text(path).splitlines()))
-    except csv.Error as error:
-        raise KinemarkError(f"{path} is no CSV file: {error}. Save it again.") from error
+    _, rows = csv_table(path)
     wanted = [f"{c}_{axis}_px" for c in cameras for axis in "uv"]
     try:
-        xyz = np.array([[float(row[f"{axis}_mm"]) for axis in "xyz"] for row in rows]).reshape(-1, 3)
-        cells = np.array([[float(row.get(name) or "nan") for name in wanted] for row in rows])
+        xyz = np.array([[number(row[f"{axis}_mm"]) for axis in "xyz"] for row in rows]).reshape(-1, 3)
+        cells = np.array([[number(row.get(name, "")) for name in wanted] for row in rows])
     except (KeyError, TypeError, ValueError) as error:
         raise KinemarkError(f"{path} wants name, x_mm, y_mm and z_mm in numbers in each line: {error}.") from error
     names = tuple((row.get("name") or str(n + 1)).strip() for n, row in enumerate(rows))

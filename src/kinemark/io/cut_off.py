@@ -31,7 +31,7 @@ def ends_its_line(path: Path | str) -> bool:
 
 def without_cut_row(
     path: Path | str, body: Sequence[Row], wide: int, *, ends: bool, partial: bool
-) -> tuple[list[Row], tuple[str, ...]]:
+) -> tuple[Sequence[Row], tuple[str, ...]]:
     """The rows of a table without a last one that is cut off, and a note of it.
 
     A last number with fewer decimals than any other of its column has may have lost digits: its sample is missing.
@@ -44,10 +44,9 @@ def without_cut_row(
     Raises:
         KinemarkError: the last row lacks cells, and `partial` is false or it is the only one.
     """
-    *others, last = body or [(0, [])]
     if ends or not body:
-        return list(body), ()
-    line, cells = last
+        return body, ()
+    others, (line, cells) = body[:-1], body[-1]
     if len(cells) < wide:
         if not (partial and others):
             raise bad_line(path, line, f"has {len(cells)} cells, wanted {wide}, for the file is cut off. {AGAIN}")
@@ -56,7 +55,7 @@ def without_cut_row(
     if wide > 3 and column and cells[wide - 1] and _decimals(cells[wide - 1]) < min(column):
         note = f"the file ends within line {line}, maybe within its last number, whose sample counts as missing"
         return [*others, (line, [*cells[: wide - 1], "", *cells[wide:]])], (note,)
-    return list(body), ()
+    return body, ()
 
 
 def _decimals(text: str) -> int:

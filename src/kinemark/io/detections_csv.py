@@ -147,9 +147,11 @@ def chunks(
 def table(path: Path | str, lines: Sequence[int], rows: list[list[str]]) -> Floats:
     """Rows of equal length as numbers: all at once, and line by line only where that fails or cells are empty."""
     try:
-        return np.array(rows, dtype=np.float64)
+        if not any("_" in "".join(row) for row in rows):
+            return np.array(rows, dtype=np.float64)
     except ValueError:
-        return numbers(path, lines, rows, len(rows[0]))
+        pass
+    return numbers(path, lines, rows, len(rows[0]))
 
 
 def check_rows(path: Path | str, line: Ints, column: dict[str, Floats], frame: Ints, n_frames: int | None) -> None:

@@ -17,7 +17,7 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from .files import write_text
 from .number_text import bad_line, numbers, plain
-from .trajectories_csv import csv_rows
+from .text_rows import csv_rows
 
 N_DLT = 11  # coefficients of a camera; of the format (KISS eq. 7)
 MOST_CAMERAS = 1024  # in a file; chosen, lest a broken file take memory
@@ -32,7 +32,7 @@ def read_dlt_csv(path: Path | str) -> Floats:
     rows = csv_rows(path)
     if len(rows) != N_DLT or not 0 < len(rows[0][1]) <= MOST_CAMERAS:
         raise KinemarkError(f"{path} has {len(rows)} rows, wanted {N_DLT} coefficients with a column a camera.")
-    table = numbers(path, [k for k, _ in rows], [cells for _, cells in rows], len(rows[0][1]))
+    table = numbers(path, [k for k, _ in rows], (cells for _, cells in rows), len(rows[0][1]))
     if not np.isfinite(table).all():
         k = int(np.flatnonzero(~np.isfinite(table).all(1))[0])
         raise bad_line(path, rows[k][0], "a coefficient is missing. Calibrate that camera, or remove its column.")
@@ -88,4 +88,4 @@ def points(path: Path | str) -> tuple[list[str], Floats]:
     if not rows:
         raise KinemarkError(f"{path} has no heading. Check the path.")
     heading = [cell.strip() for cell in rows[0][1]]
-    return heading, numbers(path, [k for k, _ in rows[1:]], [cells for _, cells in rows[1:]], len(heading))
+    return heading, numbers(path, [k for k, _ in rows[1:]], (cells for _, cells in rows[1:]), len(heading))

@@ -31,12 +31,13 @@ from .motive_csv import is_motive, read_motive_csv
 from .named_points_csv import layout_of, read_named_detections
 from .nexus_csv import is_nexus, read_nexus_csv
 from .notes import FileNote
-from .number_text import bad_line, read_text
+from .number_text import bad_line, read_head
 from .possible_places import with_possible_places
-from .qualisys_tsv import read_qualisys_tsv
+from .qualisys_tsv import is_qualisys, read_qualisys_tsv
 from .tdf import Tdf, read_tdf
 from .trajectories_csv import read_csv_trial, write_trajectories_csv
 from .trc import read_trc_trial, write_trc
+from .trc_table import is_trc
 
 Content = Literal["trajectories", "detections", "rig"]
 """What can be written."""
@@ -116,11 +117,20 @@ def _rate_of(found: Any) -> float | None:
     return getattr(owner, "rate", None)
 
 
+EXPORTS = (
+    (is_motive, read_motive_csv),
+    (is_nexus, read_nexus_csv),
+    (is_qualisys, read_qualisys_tsv),
+    (is_trc, read_trc_trial),
+)
+"""Tables in text that their first line makes known, whatever the file's ending."""
+
+
 def _csv(path: Path, options: ReadOptions) -> Any:
-    """A CSV file: its heading tells detections and trajectories from DLT parameters, which have none."""
-    text = read_text(path)
+    """A table in text: its heading tells detections and trajectories from DLT parameters, which have none."""
+    text = read_head(path)
     first_line = text.lstrip("\r\n\t,; ").split("\n", 1)[0]
-    for says, read in ((is_motive, read_motive_csv), (is_nexus, read_nexus_csv)):
+    for says, read in EXPORTS:
         if says(first_line):
             return read(path, rate_hz=options.rate_hz, length_unit=options.length_unit, partial=options.partial)
     if layout_of(path) is not None:
@@ -136,6 +146,15 @@ def _csv(path: Path, options: ReadOptions) -> Any:
     if not any(character.isdigit() for character in head.split(",")[0]):
         raise bad_line(path, 1, f"{head.strip()[:60]!r} is the heading of no table that is known. {TABLES}")
     return read_dlt_csv(path)
+
+
+def _tsv(path: Path, options: ReadOptions) -> Any:
+    """A table with tabs; one of an unknown heading is taken for QTM's, whose reader says what it wants."""
+    head = read_head(path).split("\n", 1)[0]
+    ours = "_x_mm" in head or "camera" in head
+    if ours or any(says(head) for says, _ in EXPORTS):
+        return _csv(path, options)
+    return read_qualisys_tsv(path, rate_hz=options.rate_hz, length_unit=options.length_unit, partial=options.partial)
 
 
 def _tdf(path: Path, options: ReadOptions) -> Tdf:
@@ -259,11 +278,8 @@ FORMATS: dict[str, Format] = {
         ),
         {"trajectories": _markers_only(write_trc)},
     ),
-    ".tsv": Format(
-        lambda p, options: read_qualisys_tsv(
-            p, rate_hz=options.rate_hz, length_unit=options.length_unit, partial=options.partial
-        )
-    ),
+    ".tsv": Format(_tsv),
+    ".txt": Format(_csv),
     ".csv": Format(
         _csv,
         {

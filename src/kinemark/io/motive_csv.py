@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,7 +28,7 @@ from ..data.trial import UP
 from .c3d.points import distinct
 from .cut_off import Row, ends_its_line, without_cut_row
 from .number_text import bad_line, first_frame, numbers
-from .trajectories_csv import csv_rows
+from .text_rows import csv_rows
 from .units import USUAL_UNITS, mm_per
 
 SIGN = "format version"
@@ -81,7 +81,7 @@ def read_motive_csv(
     top = _heading(path, rows)
     body, lost = _body(path, rows, top, partial)
     lines = [line for line, _ in body]
-    cells = [[cell.replace(",", ".") for cell in row] for _, row in body]
+    cells = ([cell.replace(",", ".") for cell in row] for _, row in body)
     at = _markers(path, top)
     table = numbers(
         path, lines, _only(path, lines, cells, [0, 1, *(k + i for k in at for i in range(3))], top), 2 + 3 * len(at)
@@ -114,9 +114,9 @@ def _heading(path: Path | str, rows: Sequence[tuple[int, list[str]]]) -> Heading
     return Heading(values, kinds, names, what, axes, rows[frame][0])
 
 
-def _body(path: Path | str, rows: Sequence[Row], top: Heading, partial: bool) -> tuple[list[Row], tuple[str, ...]]:
+def _body(path: Path | str, rows: Sequence[Row], top: Heading, partial: bool) -> tuple[Sequence[Row], tuple[str, ...]]:
     """The rows below the heading, and a note of a last one that is cut off."""
-    body = [row for row in rows if row[0] > top.line]
+    body = rows[next((k for k, row in enumerate(rows) if row[0] > top.line), len(rows)) :]
     if not body:
         raise KinemarkError(f"{path} has a heading and no frames. Export it again.")
     return without_cut_row(path, body, len(top.axes), ends=ends_its_line(path), partial=partial)
@@ -137,13 +137,14 @@ def _markers(path: Path | str, top: Heading) -> list[int]:
 
 
 def _only(
-    path: Path | str, lines: Sequence[int], cells: Sequence[Sequence[str]], at: Sequence[int], top: Heading
-) -> list[list[str]]:
+    path: Path | str, lines: Sequence[int], cells: Iterable[Sequence[str]], at: Sequence[int], top: Heading
+) -> Iterator[list[str]]:
     """The cells of these columns."""
-    if (short := next((k for k, row in enumerate(cells) if len(row) <= max(at)), None)) is not None:
-        what = f"has {len(cells[short])} cells, wanted {len(top.axes)}. Copy or export the file again."
-        raise bad_line(path, lines[short], what)
-    return [[row[k] for k in at] for row in cells]
+    for line, row in zip(lines, cells, strict=True):
+        if len(row) <= max(at):
+            what = f"has {len(row)} cells, wanted {len(top.axes)}. Copy or export the file again."
+            raise bad_line(path, line, what)
+        yield [row[k] for k in at]
 
 
 def _mm(path: Path | str, top: Heading, stated: str | None) -> float:

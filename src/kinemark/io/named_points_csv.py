@@ -18,8 +18,8 @@ import numpy as np
 from ..data import Detections, KinemarkError
 from ..data.array_types import Floats
 from .detections_csv import MARKER, NamedDetections, read_detections_csv, read_long
-from .number_text import bad_line, numbers, separator, whole
-from .trajectories_csv import csv_rows
+from .number_text import bad_line, numbers, read_head, separator, whole
+from .text_rows import csv_rows
 
 LIKELY = 0.6  # likelihood below which DeepLabCut's own plots leave a point out (its `pcutoff`); convention
 DEEPLABCUT = ("scorer", "bodyparts", "coords")
@@ -57,11 +57,7 @@ def layout_of(path: Path | str) -> Layout | None:
 
 def _heads(path: Path | str) -> list[list[str]]:
     """The first four lines as cells, without blanks."""
-    try:
-        with Path(path).open(encoding="utf-8-sig", errors="replace") as file:
-            lines = [file.readline(1 << 22) for _ in range(4)]
-    except OSError as error:
-        raise KinemarkError(f"{path} cannot be read: {error}") from error
+    lines = [*read_head(path).splitlines()[:4], *[""] * 4][:4]
     mark = separator(lines[0])
     return [[cell.strip().strip('"') for cell in line.split(mark)] for line in lines]
 
@@ -137,7 +133,7 @@ def _wide(path: Path | str, rate: float, cameras: Sequence[str] | None) -> Named
     heading = [cell.strip() for cell in rows[0][1]]
     columns = _columns(path, heading, cameras)
     lines = [k for k, _ in rows[1:]]
-    table = numbers(path, lines, [cells for _, cells in rows[1:]], len(heading))
+    table = numbers(path, lines, (cells for _, cells in rows[1:]), len(heading))
     names = tuple(dict.fromkeys(marker for _, marker, _ in columns.place))
     seeing = tuple(dict.fromkeys(camera for camera, _, _ in columns.place))
     frame = whole(path, lines, table[:, 0], "frame") if columns.before else np.arange(len(table))
@@ -193,7 +189,7 @@ def _deeplabcut(path: Path | str, rate: float, camera: str) -> NamedDetections:
         if missing := [axis for axis in "xy" if (name, axis) not in column]:
             raise bad_line(path, n_heads, f"body part {name!r} has no column {missing[0]!r}. Export it again.")
     body = rows[n_heads:]
-    table = numbers(path, [k for k, _ in body], [cells for _, cells in body], len(heads["coords"]) + 1)
+    table = numbers(path, [k for k, _ in body], (cells for _, cells in body), len(heads["coords"]) + 1)
     uv = np.stack([table[:, [column[name, "x"], column[name, "y"]]] for name in names])
     likely = np.stack([table[:, column[name, "likelihood"]] if (name, "likelihood") in column else np.ones(len(table))
                        for name in names])  # fmt: skip

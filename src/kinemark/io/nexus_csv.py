@@ -15,6 +15,7 @@ which axis goes up (with Nexus it is z).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,7 +26,7 @@ from ..data.array_types import Floats
 from .c3d.points import distinct
 from .cut_off import ends_its_line, without_cut_row
 from .number_text import bad_line, first_frame, numbers
-from .trajectories_csv import csv_rows
+from .text_rows import csv_rows
 from .units import USUAL_UNITS, mm_per
 
 MARKERS, DEVICES, EVENTS = "trajectories", "devices", "events"
@@ -39,7 +40,7 @@ class Block(NamedTuple):
     """A block of the file: its title as written, and the lines below it, each with its number."""
 
     title: str
-    rows: list[Row]
+    rows: Sequence[Row]
 
 
 class Table(NamedTuple):
@@ -102,13 +103,13 @@ def read_nexus_csv(
 
 def _blocks(path: Path | str) -> list[Block]:
     """The blocks in their order; a title is a line of one cell that is a known word."""
-    blocks: list[Block] = []
-    for line, cells in csv_rows(path):
-        if cells[0].strip().lower() in TITLES and not any(cell.strip() for cell in cells[1:]):
-            blocks.append(Block(cells[0].strip(), []))
-        elif blocks:
-            blocks[-1].rows.append((line, cells))
-    return blocks
+    rows = csv_rows(path)
+    titles = [
+        k
+        for k, (_, cells) in enumerate(rows)
+        if cells[0].strip().lower() in TITLES and not any(map(str.strip, cells[1:]))
+    ]
+    return [Block(rows[k][1][0].strip(), rows[k + 1 : end]) for k, end in pairwise([*titles, len(rows)])]
 
 
 def _table(path: Path | str, block: Block, *, ends: bool, partial: bool) -> tuple[Table, tuple[str, ...]]:
@@ -116,7 +117,7 @@ def _table(path: Path | str, block: Block, *, ends: bool, partial: bool) -> tupl
     if len(block.rows) < 4:
         line = block.rows[-1][0] if block.rows else 1
         raise bad_line(path, line, f"{block.title} ends before its first row. Export the file again.")
-    (at, rate_cells), (_, names), (heading, axes), (_, units), *rows = block.rows
+    (at, rate_cells), (_, names), (heading, axes), (_, units) = block.rows[:4]
     rate = _positive(rate_cells[0])
     if rate is None:
         raise bad_line(path, at, f"wanted samples a second below {block.title}, found {rate_cells[0]!r}")
@@ -126,9 +127,9 @@ def _table(path: Path | str, block: Block, *, ends: bool, partial: bool) -> tupl
     while axes and not axes[-1]:
         axes.pop()
     width = len(axes)
-    rows, lost = without_cut_row(path, rows, width, ends=ends, partial=partial)
+    rows, lost = without_cut_row(path, block.rows[4:], width, ends=ends, partial=partial)
     lines = [line for line, _ in rows]
-    cells = [[cell.replace(",", ".") for cell in row] for _, row in rows]
+    cells = ([cell.replace(",", ".") for cell in row] for _, row in rows)
     values = numbers(path, lines, cells, width)
     return Table(rate, _cells(names, width), axes, _cells(units, width), lines, values), lost
 

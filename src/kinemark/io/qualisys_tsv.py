@@ -27,12 +27,13 @@ from ..data import Events, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from ..data.array_types import Floats
 from .c3d.points import distinct
 from .cut_off import AGAIN, ends_its_line, without_cut_row
-from .number_text import bad_line, first_frame, numbers, read_text
+from .number_text import MISSING, bad_line, first_frame, numbers, read_text
+from .text_rows import TextRows
 from .units import USUAL_UNITS, mm_per
 
 NAMES = "MARKER_NAMES"
-EMPTY = ("NULL", "NAN", "-")
-"""What stands for a missing number besides an empty cell."""
+SIGN = "NO_OF_FRAMES"
+"""What begins the file."""
 HEADING = 1000
 """Lines in which `NAMES` is looked for; chosen: a heading has some ten, and a line for each event."""
 
@@ -43,7 +44,7 @@ class Lines(NamedTuple):
     values: dict[str, list[str]]
     events: list[list[str]]
     heading: list[str]
-    rows: list[tuple[int, list[str]]]
+    rows: TextRows
 
 
 def read_qualisys_tsv(
@@ -80,6 +81,11 @@ def read_qualisys_tsv(
     return Trial(Path(path).stem, trajectories, events=_events(found), about=_about(found), notes=(*lost, *odd))
 
 
+def is_qualisys(first_line: str) -> bool:
+    """Whether the first line is that of QTM."""
+    return first_line.startswith(SIGN)
+
+
 def holds_markers(path: Path) -> bool:
     """Whether a TSV is one of markers: those of analog signals and forces end alike. False if it is not read."""
     try:
@@ -91,15 +97,14 @@ def holds_markers(path: Path) -> bool:
 
 def _lines(path: Path | str) -> Lines:
     """The lines of a file by what they are."""
-    found = Lines({}, [], [], [])
-    for number, line in enumerate(read_text(path).splitlines(), 1):
+    lines = [(k, line) for k, line in enumerate(read_text(path).splitlines(), 1) if line.strip()]
+    found = Lines({}, [], [], TextRows((), str.split))
+    for k, (_, line) in enumerate(lines):
         cells = line.split("\t")
         word = cells[0].strip()
-        if not line.strip():
-            continue
-        if found.rows or _is_number(word):
-            found.rows.append((number, cells))
-        elif NAMES in found.values and not (word.isupper() and "_" in word):
+        if _is_number(word) or (not word and NAMES in found.values):  # a row may begin with a gap
+            return found._replace(rows=TextRows(lines[k:], lambda row: row.replace(",", ".").split("\t")))
+        if NAMES in found.values and not (word.isupper() and "_" in word):
             found.heading.extend(cell.strip() for cell in cells)
         elif word == "EVENT":
             found.events.append(cells[1:])
@@ -112,7 +117,7 @@ def _is_number(text: str) -> bool:
     try:
         float(text.replace(",", "."))
     except ValueError:
-        return text.upper() in EMPTY
+        return MISSING.fullmatch(text) is not None
     return True
 
 
@@ -128,15 +133,13 @@ def _table(path: Path | str, found: Lines, n: int, partial: bool) -> tuple[list[
         raise bad_line(path, found.rows[0][0], f"has {max(widths)} cells, wanted {3 * n} for the {n} MARKER_NAMES.")
     width = before + 3 * n
     rows, lost = without_cut_row(path, found.rows, width, ends=ends_its_line(path), partial=partial)
-    cells = [["" if c.strip().upper() in EMPTY else c.replace(",", ".") for c in row] for _, row in rows]
     lines = [line for line, _ in rows]
-    cut = [row[:width] if not any(c.strip() for c in row[width:]) else row for row in cells]
     stated = _whole(found.values.get("NO_OF_FRAMES"))
-    if stated is not None and len(cut) < stated:
+    if stated is not None and len(lines) < stated:
         if not partial:
-            raise KinemarkError(f"{path} has {len(cut)} frames, its heading says {stated}. {AGAIN}")
-        lost = (*lost, f"the heading says {stated} frames, the table has {len(cut)}; all of the table is read")
-    return lines, before, numbers(path, lines, cut, width), lost
+            raise KinemarkError(f"{path} has {len(lines)} frames, its heading says {stated}. {AGAIN}")
+        lost = (*lost, f"the heading says {stated} frames, the table has {len(lines)}; all of the table is read")
+    return lines, before, numbers(path, lines, (cells for _, cells in rows), width), lost
 
 
 def _whole(cells: Sequence[str] | None) -> int | None:

@@ -10,14 +10,12 @@ is told otherwise.
 
 from __future__ import annotations
 
-import csv
 import math
-from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
 
 from ..data import KinemarkError
-from .number_text import read_text
+from .text_rows import csv_rows
 
 HEAD = ("trial", "frame", "x_mm", "y_mm", "z_mm", "name")
 
@@ -37,10 +35,10 @@ def read_stated_names(path: Path) -> tuple[StatedName, ...]:
     Raises:
         KinemarkError: it is absent, has other columns, or a row has no numbers where there should be.
     """
-    rows = list(csv.reader(StringIO(read_text(path))))
-    if not rows or tuple(cell.strip() for cell in rows[0]) != HEAD:
-        raise KinemarkError(f"{path} begins with {rows[0] if rows else 'nothing'}. Wanted are the columns {HEAD}.")
-    return tuple(_stated(path, k, row) for k, row in enumerate(rows[1:], 2) if any(cell.strip() for cell in row))
+    rows = csv_rows(path)
+    if not rows or tuple(cell.strip() for cell in rows[0][1]) != HEAD:
+        raise KinemarkError(f"{path} begins with {rows[0][1] if rows else 'nothing'}. Wanted are the columns {HEAD}.")
+    return tuple(_stated(path, k, row) for k, row in rows[1:] if any(map(str.strip, row)))
 
 
 def _stated(path: Path, line: int, row: list[str]) -> StatedName:

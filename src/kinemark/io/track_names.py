@@ -14,14 +14,13 @@ empty cell; false in TOML) says that the track is no marker. Both columns of fra
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
-from io import StringIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..data import KinemarkError
 from .number_text import AGAIN, bad_line, read_text
+from .text_rows import csv_rows
 from .toml_text import check_keys, toml_table
 
 COLUMNS = ("track", "name", "first", "last")
@@ -60,12 +59,12 @@ def read_track_names(path: Path) -> tuple[TrackName, ...]:
 
 
 def _from_csv(path: Path) -> tuple[TrackName, ...]:
-    rows = list(csv.reader(StringIO(read_text(path))))
-    head = tuple(cell.strip().lower() for cell in rows[0]) if rows else ()
+    rows = csv_rows(path)
+    head = tuple(cell.strip().lower() for cell in rows[0][1]) if rows else ()
     if head[:2] != COLUMNS[:2] or not set(head) <= set(COLUMNS) or len(set(head)) < len(head):
         raise KinemarkError(f"{path} begins with {','.join(head)[:60]!r}. Wanted are the columns {','.join(COLUMNS)}.")
     found = []
-    for line, row in enumerate(rows[1:], 2):
+    for line, row in rows[1:]:
         if not any(cell.strip() for cell in row):
             continue
         if (len(row) > len(head) and any(cell.strip() for cell in row[len(head) :])) or len(row) < 2:

@@ -8,7 +8,6 @@ Spreadsheets of countries that write 2,5 save such a table with semicolons or ta
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -18,9 +17,10 @@ from ..data import KinemarkError, Trajectories, Trial
 from ..data import MarkerTrajectory as MarkerPath
 from ..data.array_types import Floats
 from .c3d.points import distinct
-from .csv_table import write_table
 from .cut_off import ends_its_line, without_cut_row
-from .number_text import bad_line, numbers, plain, read_text, separator, whole
+from .files import replacing
+from .number_text import bad_line, numbers, plain, row_text, whole
+from .text_rows import csv_rows
 from .trc import OFF_ORIGIN
 
 AXES = ("_x_mm", "_y_mm", "_z_mm")
@@ -45,14 +45,14 @@ def read_trajectories_csv(path: Path | str, *, rate: float | None = None, partia
 
 def read_csv_trial(path: Path | str, *, rate: float | None = None, partial: bool = False) -> Trial:
     """As `read_trajectories_csv`, with its errors; what was odd in the file stands in the notes of the trial."""
-    rows = list(csv_rows(path))
+    rows = csv_rows(path)
     if not rows:
         raise KinemarkError(f"{path} has no header line. Check the path.")
     names = markers(path, rows[0][1])
     wide = 2 + 3 * len(names)
     body, notes = without_cut_row(path, rows[1:], wide, ends=ends_its_line(path), partial=partial)
     at = [k for k, _ in body]
-    table = numbers(path, at, [cells for _, cells in body], wide)
+    table = numbers(path, at, (cells for _, cells in body), wide)
     frame = whole(path, at, table[:, 0], "frame")
     if (jump := np.flatnonzero(np.diff(frame) != 1)).size:
         raise bad_line(path, at[int(jump[0]) + 1], "the frame does not follow the one before. Export every frame.")
@@ -64,20 +64,6 @@ def read_csv_trial(path: Path | str, *, rate: float | None = None, partial: bool
     odd = (f"(0, 0, 0) is taken for missing; samples: {zero.sum()}",) if zero.any() else ()
     paths = (MarkerPath.measured(n, x) for n, x in zip(distinct(names, len(names), "*"), xyz, strict=True))
     return Trial(Path(path).stem, Trajectories(tuple(paths), rate, first), notes=(*notes, *odd))
-
-
-def csv_rows(path: Path | str) -> list[tuple[int, list[str]]]:
-    """The lines of a CSV file that are not empty, each with its number, as cells."""
-    text = read_text(path)
-    mark = separator(text)
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=mark)
-    try:
-        rows = [(reader.line_num, cells) for cells in reader if any(cells)]
-    except csv.Error as error:
-        raise bad_line(path, reader.line_num, f"{error}") from error
-    if mark == "," or any("." in cell for _, cells in rows[1:] for cell in cells):
-        return rows
-    return rows[:1] + [(line, [cell.replace(",", ".") for cell in cells]) for line, cells in rows[1:]]
 
 
 def markers(path: Path | str, heading: list[str]) -> list[str]:
@@ -118,11 +104,10 @@ def write_trajectories_csv(path: Path | str, trajectories: Trajectories) -> None
     xyz = trajectories.xyz.transpose(1, 0, 2)
     xyz[(xyz == 0).all(2)] = OFF_ORIGIN
     flat = xyz.reshape(n, -1)
-    write_table(
-        path,
-        ["frame", "time_s", *(name + axis for name in trajectories.names for axis in AXES)],
-        (
-            [str(f), plain((f - 1) / trajectories.rate), *map(plain, values)]
-            for f, values in enumerate(flat.tolist(), first)
-        ),
-    )
+    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
+        heading = ["frame", "time_s", *(name + axis for name in trajectories.names for axis in AXES)]
+        csv.writer(file, lineterminator="\n").writerow(heading)
+        file.writelines(
+            f"{f},{plain((f - 1) / trajectories.rate)},{row_text(values.tolist(), ',')}\n"
+            for f, values in enumerate(flat, first)
+        )

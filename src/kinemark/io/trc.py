@@ -20,8 +20,8 @@ from ..data import KinemarkError, Trajectories, Trial
 from ..data import MarkerTrajectory as MarkerPath
 from .c3d.points import distinct
 from .cut_off import AGAIN
-from .files import write_text
-from .number_text import bad_line, first_frame, plain, read_text
+from .files import replacing
+from .number_text import bad_line, first_frame, plain, read_text, row_text
 from .trc_table import HEADINGS, ORIGINAL, TrcTable, parse_trc
 from .units import USUAL_UNITS, mm_per
 
@@ -31,6 +31,7 @@ SAME_RATE = 0.05
 """Share by which the rate of the heading and that of the times may differ without a note; chosen, times are rounded."""
 NOWHERE = 9_999_999.0
 """What stands in all three cells of a marker that is missing, in the file's unit; conventional (Motion Analysis)."""
+TAB = "\t"
 OFF_ORIGIN = 1e-6
 """mm from (0, 0, 0) at which a sample at the very origin is written, because zeros say missing; chosen."""
 
@@ -161,6 +162,9 @@ def write_trc(path: Path | str, trajectories: Trajectories) -> None:
     xyz = trajectories.xyz.transpose(1, 0, 2)
     xyz[(xyz == 0).all(2)] = OFF_ORIGIN
     flat = xyz.reshape(n, -1)
-    for f, values in enumerate(flat.tolist(), first):
-        rows.append([str(f), plain((f - 1) / trajectories.rate), *map(plain, values)])
-    write_text(path, "".join("\t".join(row) + "\n" for row in rows))
+    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="\n") as file:
+        file.writelines("\t".join(row) + "\n" for row in rows)
+        file.writelines(
+            f"{f}\t{plain((f - 1) / trajectories.rate)}\t{row_text(values.tolist(), TAB)}\n"
+            for f, values in enumerate(flat, first)
+        )

@@ -20,6 +20,7 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from .cut_off import without_cut_row
 from .number_text import bad_line, numbers
+from .text_rows import Line, TextRows
 from .units import mm_per
 
 HEADINGS = ("DataRate", "CameraRate", "NumFrames", "NumMarkers", "Units")
@@ -28,15 +29,6 @@ MOST_LINES = 20
 """Lines within which a table begins; chosen, the format has 5 or 6."""
 AXIS = re.compile(r"[_ .:-]?[xyz]\d*$", re.IGNORECASE)
 """What follows a marker's name where there is one for each of its axes."""
-NAN = re.compile(r"-?1\.#[a-z]+\d*|-?nan\(\w*\)|n/a|null|-+", re.IGNORECASE)
-"""How programs write that there is no number."""
-
-
-class Line(NamedTuple):
-    """Number of a line, from 1, and its cells."""
-
-    number: int
-    cells: list[str]
 
 
 class TrcTable(NamedTuple):
@@ -65,35 +57,41 @@ def parse_trc(path: Path | str, text: str, *, partial: bool = False) -> TrcTable
     Raises:
         KinemarkError: the text is no TRC, or a row is not of one width or has a cell that is no number.
     """
+    ends = text.endswith(("\n", "\r"))
     lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip(' \t\r,;"')]
-    first = lines[0][1].strip('" \t').casefold() if lines else ""
-    if not first.startswith(("pathfiletype", "datarate")):
+    del text  # a long one is held once alone
+    if not lines or not is_trc(lines[0][1]):
         raise KinemarkError(
             f"{path} is not a TRC file: its first line does not begin with PathFileType. Check the path."
         )
     split = separator(lines)
-    rows = [Line(k, split(line)) for k, line in lines]
+    rows = TextRows(lines, split)
     headings, heading = _heading(path, rows)
     naming = next((i for i, row in enumerate(rows[:MOST_LINES]) if is_naming(row)), None)
     if naming is None or naming < headings:
         raise bad_line(path, rows[min(3, len(rows) - 1)].number, "wanted Frame#, Time and the names of the markers")
-    body = [row for row in rows[naming + 1 :] if _is_number(row.cells[0]) or not _is_axes(row)]
+    body = rows[naming + 1 :].where(lambda row: _is_number(row.cells[0]) or not _is_axes(row))
     lead = 2 if len(rows[naming].cells) > 1 and rows[naming].cells[1].casefold().startswith("time") else 1
     width = _width(body, lead)
     names = names_of(rows[naming].cells[lead:], (width - lead) // 3)
     wide = lead + 3 * max(len(names), 1)
-    ends = text.endswith(("\n", "\r"))
     kept, notes = without_cut_row(path, body, wide, ends=ends, partial=partial)
-    body = [Line(*row) for row in kept]
-    whole, short = _filled_up(body, wide, ends=ends)
-    table = numbers(path, [row.number for row in whole], [row.cells for row in whole], wide)
+    numbered = [line for line, _ in kept]
+    short = _short(kept, wide, ends=ends)
+    filled = (cells + [""] * (wide - len(cells)) if k in short else cells for k, (_, cells) in enumerate(kept))
+    table = numbers(path, numbered, filled, wide)
     if lead == 1:
         table = np.insert(table, 1, np.nan, axis=1)
     if short:
-        notes += (f"{short} rows end before the last marker; the markers that they lack count as missing",)
-    values = _values(rows[headings].cells, rows[heading].cells, len(names), len(whole))
+        notes += (f"{len(short)} rows end before the last marker; the markers that they lack count as missing",)
+    values = _values(rows[headings].cells, rows[heading].cells, len(names), len(numbered))
     at = (rows[heading].number, rows[naming].number)
-    return TrcTable(values, names, table[:, : 2 + 3 * len(names)], [row.number for row in whole], *at, notes)
+    return TrcTable(values, names, table[:, : 2 + 3 * len(names)], numbered, *at, notes)
+
+
+def is_trc(first_line: str) -> bool:
+    """Whether the first line is that of a TRC file."""
+    return first_line.strip('" \t').casefold().startswith(("pathfiletype", "datarate"))
 
 
 def separator(lines: Sequence[tuple[int, str]]) -> Callable[[str], list[str]]:
@@ -106,7 +104,8 @@ def separator(lines: Sequence[tuple[int, str]]) -> Callable[[str], list[str]]:
 
     def split(line: str) -> list[str]:
         cells = line.split(mark) if mark else line.split()
-        cells = [cell.strip().strip('"').strip() for cell in cells]
+        if " " in line or '"' in line:
+            cells = [cell.strip().strip('"').strip() for cell in cells]
         return [cell.replace(",", ".") for cell in cells] if comma and _is_number(cells[0]) else cells
 
     return split
@@ -131,7 +130,7 @@ def _is_axes(row: Line) -> bool:
     return all(re.fullmatch(r"[xyzXYZ][\w.:-]*", cell) for cell in found)
 
 
-def _heading(path: Path | str, rows: Sequence[Line]) -> tuple[int, int]:
+def _heading(path: Path | str, rows: TextRows) -> tuple[int, int]:
     """The places of the line that names the values, and of the line that has them."""
     known = {name.casefold() for name in (*HEADINGS, *ORIGINAL)}
     for i, row in enumerate(rows[:MOST_LINES]):
@@ -143,7 +142,7 @@ def _heading(path: Path | str, rows: Sequence[Line]) -> tuple[int, int]:
     raise bad_line(path, min(3, len(rows)), f"does not say {', '.join(HEADINGS)}")
 
 
-def _width(body: Sequence[Line], lead: int) -> int:
+def _width(body: TextRows, lead: int) -> int:
     """Cells of whole markers in the widest row; a row that alone is the widest is not believed."""
     widths = sorted((_extent(row) for row in body), reverse=True)
     if not widths:
@@ -154,7 +153,7 @@ def _width(body: Sequence[Line], lead: int) -> int:
 
 def _extent(row: Line) -> int:
     """Cells up to the last that is not empty."""
-    return max((i for i, cell in enumerate(row.cells, 1) if cell), default=0)
+    return next((i for i in range(len(row.cells), 0, -1) if row.cells[i - 1]), 0)
 
 
 def names_of(cells: Sequence[str], columns: int) -> tuple[str, ...]:
@@ -179,19 +178,17 @@ def _in_threes(names: Sequence[str]) -> bool:
     return len(names) % 3 == 0 and all(len(set(names[i : i + 3])) == 1 for i in range(0, len(names), 3))
 
 
-def _filled_up(body: Sequence[Line], wide: int, *, ends: bool) -> tuple[list[Line], int]:
-    """The rows, those that lack whole markers at their end filled up with empty cells; and how many these are.
+def _short(body: Sequence[tuple[int, list[str]]], wide: int, *, ends: bool) -> set[int]:
+    """Which rows lack whole markers at their end.
 
     The last row of a file that does not end its last line may have been cut off.
     """
-    out, short = [], 0
-    for i, row in enumerate(body):
-        cells = ["" if NAN.fullmatch(cell) else cell for cell in row.cells]
-        whole = (wide - _extent(row)) % 3 == 0  # the row ends with a marker
-        if len(cells) < wide and whole and (ends or i + 1 < len(body)):
-            cells, short = cells + [""] * (wide - len(cells)), short + 1
-        out.append(Line(row.number, cells))
-    return out, short
+    last = len(body) if ends else len(body) - 1
+    return {
+        k
+        for k, (_, cells) in enumerate(body)
+        if len(cells) < wide and k < last and (wide - _extent(Line(k, cells))) % 3 == 0
+    }
 
 
 def _values(headings: Sequence[str], cells: Sequence[str], markers: int, frames: int) -> dict[str, str]:

@@ -12,7 +12,7 @@ from kinemark.geometry import project
 from kinemark.io.c3d import read_c3d
 from kinemark.io.named_points_csv import layout_of, read_named_detections
 from kinemark.io.rig_toml import write_rig_toml
-from kinemark.io.trajectories_csv import csv_rows
+from kinemark.io.text_rows import csv_rows
 from support.findings import found
 from support.laboratory import ring
 from support.motions import swarm

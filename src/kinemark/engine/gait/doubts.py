@@ -20,6 +20,7 @@ from ...gait.plate_doubts import (
     plate_doubts,
     saturation_doubts,
     time_doubts,
+    unit_doubts,
     weight_doubts,
 )
 from ...gait.static_checks import FeetTaken, feet_taken
@@ -78,4 +79,5 @@ def doubted_plates(
         *late,
         *place_doubts(trial.plates, gait.contacts, seen, rate=rate),
         *saturation_doubts(trial.plates, trial.analog),
+        *unit_doubts(trial.plates, trial.analog),
     )

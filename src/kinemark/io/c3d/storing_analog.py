@@ -37,10 +37,11 @@ def with_analog(doc: C3D, source: C3D, analog: Analog | None, *, shift: int, flo
     factor, offset = (rows_from(a, rows, x) for a, x in zip(analog_scaling(source), (1.0, 0.0), strict=True))
     raw, kept = _kept(analog, source, rows, shift, samples)
     factor[(factor == 0) & ~kept.all(1)] = 1.0
-    with np.errstate(invalid="ignore", divide="ignore"):
-        raw = np.where(kept, raw, analog.values / factor[:, None] + offset[:, None])
-    single = raw.astype(np.float32).astype(np.float64) if floats else raw
-    raw = single if floats else _integers(analog, raw, source, factor, offset, kept)
+    for k, channel in enumerate(raw):  # one by one: all at once take several times the file's memory
+        with np.errstate(invalid="ignore", divide="ignore"):
+            np.copyto(channel, analog.values[k] / factor[k] + offset[k], where=~kept[k])
+        channel[:] = channel.astype(np.float32) if floats else channel
+    raw = raw if floats else _integers(analog, raw, source, factor, offset, kept)
     doc = replace(doc, analog=raw, samples=samples)
     doc = with_text(doc, "ANALOG", "LABELS", analog.names, rows, had)
     units = (*doc.texts("ANALOG", "UNITS"), *[""] * len(had))[: len(had)]

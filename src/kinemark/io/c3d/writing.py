@@ -18,6 +18,9 @@ from .provenance import GROUP
 from .rotations import encode_rotations, with_rotation_start
 from .sample_table import START, with_section_start
 
+AT_ONCE = 4096
+"""Frames encoded in one go; chosen for memory."""
+
 
 def write_document(path: Path | str, doc: C3D) -> None:
     """Write the document; parameters that count points, channels or frames are put right where they are not.
@@ -142,16 +145,22 @@ def _placed(doc: C3D, blocks: tuple[int, int]) -> tuple[C3D, bytes]:
 
 
 def _encode_data(doc: C3D) -> bytes:
-    f, m, _ = doc.points.shape
+    return b"".join(_encode_frames(doc, slice(k, k + AT_ONCE)) for k in range(0, len(doc.points), AT_ONCE))
+
+
+def _encode_frames(doc: C3D, at: slice) -> bytes:
+    """The bytes of some frames."""
+    xyz, word = doc.points[at], doc.word[at]
+    f, m, _ = xyz.shape
     a, s = len(doc.analog), doc.samples
     frames = np.empty((f, 4 * m + a * s), np.float32 if doc.floats else np.int64)
     points = frames[:, : 4 * m].reshape(f, m, 4)
-    samples = doc.analog.reshape(a, f, s).transpose(1, 2, 0).reshape(f, s * a)
+    samples = doc.analog.reshape(a, len(doc.points), s)[:, at].transpose(1, 2, 0).reshape(f, s * a)
     if doc.floats:
-        points[..., :3], points[..., 3], frames[:, 4 * m :] = doc.points, doc.word, samples
+        points[..., :3], points[..., 3], frames[:, 4 * m :] = xyz, word, samples
         return encode_floats(frames.reshape(-1), doc.order).tobytes()
-    points[..., :3] = _whole("points", doc.points / doc.scale)
-    points[..., 3] = _whole("word", doc.word)
+    points[..., :3] = _whole("points", xyz / doc.scale)
+    points[..., 3] = _whole("word", word)
     frames[:, 4 * m :] = _whole("analog", samples, 0 if has_unsigned_analog(doc) else -32768)
     return encode_words(frames.reshape(-1), doc.order).tobytes()
 

@@ -147,6 +147,8 @@ DOUBTFUL = {
     "saturated": "a channel is cut off at its limit, in {by_share} of the samples under load",
     "elsewhere": "it is loaded while a foot stands {away_mm} away, and by nobody else",
     "origin": "its sensors would be {away_mm} off its surface or its middle, as the file has its origin",
+    "unit": "no unit of its force is stated, and in N it never reaches the least load ({by_share} of that); it looks "
+    "like kN",
 }
 FOR_DOUBTFUL = {
     "beside": "Where a stick, a walker or a helper loaded the plate too, leave this step out. Else check the order and "
@@ -157,6 +159,7 @@ FOR_DOUBTFUL = {
     "saturated": "Set the plate's amplifier to a wider range and record again; what is cut off is lost.",
     "elsewhere": "Check where the file has the plate's corners, and their unit, mm or m.",
     "origin": "Check the plate's ORIGIN in the file, and its unit, mm or m.",
+    "unit": "Export it again in N, or with the unit of each channel (ANALOG:UNITS in C3D).",
     "time": "Check when cameras and plates begin, and the rate of the channels.",
 }
 

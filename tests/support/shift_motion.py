@@ -20,6 +20,7 @@ from kinemark.fill import (
     fit_model,
     place_absent,
     trim_edges,
+    usual_limit,
 )
 from kinemark.fill.methods import angles
 from kinemark.kinematics import Butterworth, WoltringSpline
@@ -48,6 +49,11 @@ def _(by, parameter):
 def _(by):
     found = trim_edges(moved(motion(), by), found_gaps())
     return Answer(found.motion.xyz, (found.gaps, found.before, found.after))
+
+
+@law(usual_limit)
+def _(by):
+    return Answer(rest=[usual_limit(0.1 * moved(motion(), 10 * by).xyz)])
 
 
 @law(find_gaps)

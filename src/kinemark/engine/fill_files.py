@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from ..data import AngleModel, KinemarkError, Trajectories, Trial
 from ..data.progress import listening
-from ..fill import LIMIT, Auto, Filled, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
+from ..fill import Auto, Filled, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
 from ..findings.gaps import filling_figures
 from ..io.angle_model_csv import FIRST, read_angle_model
 from ..io.formats import check_new_trial, endings
@@ -53,7 +53,7 @@ def fill_file(
     *,
     method: Any = None,
     name: str = "auto",
-    limit_mm: float = LIMIT,
+    limit_mm: float | None = None,
     ends: bool = False,
     trim: int = 0,
     static: Path | None = None,
@@ -70,7 +70,7 @@ def fill_file(
         source: any file of trajectories, as `io.trial` reads them.
         target: the file to write, as `io.trial` writes them; an existing one is not replaced.
         method: one of `fill.FILL`, with its parameters; `Auto()` where None. name: what the report calls it.
-        limit_mm: gaps whose expected mean error is greater stay open.
+        limit_mm: gaps whose expected mean error is greater stay open; as `fill` takes it where None.
         ends: also fill before a marker's first sample and after its last.
         trim: so many suspicious samples may be replaced on each side of a gap; 0: they are listed and kept.
         static: a trial in which the markers are seen that are not seen in this one.
@@ -292,9 +292,9 @@ def _with_model(method: Any, name: str, model: AngleModel) -> Any:
     raise KinemarkError(f"{name} takes no model. Those that do are limb_angles, kalman_angles and auto.")
 
 
-def _check(limit_mm: float, trim: int) -> None:
+def _check(limit_mm: float | None, trim: int) -> None:
     """Raises a KinemarkError where a number is not one that it can be."""
-    if not limit_mm > 0:
+    if limit_mm is not None and not limit_mm > 0:
         raise KinemarkError(f"The limit is {limit_mm} mm. Wanted is one above 0; inf fills all that can be filled.")
     if trim < 0:
         raise KinemarkError(f"trim is {trim}. Wanted is a number of samples, 0 for none.")

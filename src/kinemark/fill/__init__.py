@@ -1,7 +1,7 @@
 """Missing samples: fillers, which of them to trust, and how far off they may be."""
 
 from .edges import GapEdges, Trimmed, trim_edges
-from .fill import LIMIT, fill
+from .fill import fill
 from .fill_recording import Filling, fill_recording
 from .filled_gap import Filled, FilledGap
 from .judge.auto import Auto
@@ -26,6 +26,7 @@ from .prepared import GapFill, PreparedFill, prepare
 from .rays import Rays
 from .static import FromStatic, PlacedMarker, place_absent
 from .static_shape import StaticShape
+from .usual_limit import LIMIT, usual_limit
 
 __all__ = [
     "FILL",
@@ -72,4 +73,5 @@ __all__ = [
     "place_absent",
     "prepare",
     "trim_edges",
+    "usual_limit",
 ]

@@ -30,13 +30,12 @@ from .name_order import as_before, by_name
 from .static import place_absent
 from .static_shape import StaticShape
 from .trial_copy import TrialCopy
+from .usual_limit import usual_limit
 
 SLOW = 600_000
 """Gaps times frames above which methods that look at the whole trial for each hold-out gap are not tried; chosen."""
 NOT_PREDICTED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
 """Stands where a method was tried in the tests, but not asked about the gap itself; by definition."""
-LIMIT = 20.0
-"""mm of expected error above which a gap stays open; chosen: about a marker's diameter (see benchmarks/gaps.py)."""
 ENOUGH = 60
 """Hold-out gaps of one method that tell how far off it is; more are made to choose one for each gap.
 Chosen (see benchmarks/gaps.py)."""
@@ -59,7 +58,7 @@ def fill(
     trajectories: Trajectories,
     *,
     method: Any = None,
-    limit_mm: float = LIMIT,
+    limit_mm: float | None = None,
     ends: bool = False,
     edges: GapEdges | None = None,
     trim: int = 0,
@@ -76,7 +75,8 @@ def fill(
     Args:
         trajectories: the trial; what is filled already counts as seen.
         method: one of `FILL`; `Auto()` when None.
-        limit_mm: gaps with a greater expected mean error stay open; infinite fills all that can be filled.
+        limit_mm: gaps with a greater expected mean error stay open; infinite fills all that can be filled. None: 20, or
+            less where what is measured is smaller than a person (`usual_limit`).
         ends: also fill before a marker's first sample and after its last.
         edges: how samples beside gaps are judged; `GapEdges()` when None; `GapEdges(most_trimmed=0)` judges none.
         trim: so many suspicious samples on each side of a gap may be replaced; 0: they are listed and kept.
@@ -88,6 +88,8 @@ def fill(
         ValueError: the method or a choice is none of `FILL`, or the limit is not above 0.
     """
     method = Auto() if method is None else method
+    usual = usual_limit(trajectories.xyz)
+    limit_mm = usual if limit_mm is None else limit_mm
     candidates = _candidates(method, limit_mm)
     edges = replace(edges or GapEdges(), most_trimmed=trim) if trim else edges or GapEdges()
     given, trajectories = trajectories, by_name(trajectories)
@@ -108,7 +110,7 @@ def fill(
     done = [_left_open(known.motion, gap) for gap, choice in chosen.items() if choice == OPEN]
     for one in judged(fills, known, again):
         found = replace(one.found, trimmed=written.measured(one.gap))
-        found = found if one.gap in chosen else _within(found, limit_mm)
+        found = found if one.gap in chosen else _within(found, limit_mm, usual)
         done.append(found)
         if found.method:
             written.put(one.gap, one.prediction.xyz, one.cov)
@@ -291,7 +293,7 @@ def _predictions(motion: MarkerArray, gaps: list[Gap], method: Any) -> list[Pred
     return filler_of(method)(motion, gaps, method=method) if gaps else []
 
 
-def _within(found: FilledGap, limit_mm: float) -> FilledGap:
+def _within(found: FilledGap, limit_mm: float, usual_mm: float) -> FilledGap:
     """The same, open where no error or too great a one is expected, or it cannot be one marker's."""
     if found.state != "filled":
         return found
@@ -305,7 +307,7 @@ def _within(found: FilledGap, limit_mm: float) -> FilledGap:
         state = "above_limit"
     elif contradicts_sd(found.sd_mm, expected, limit_mm):
         state = "sd_contradicts"
-    elif contradicts_jump(found.jump_mm, expected, limit_mm):
+    elif contradicts_jump(found.jump_mm, expected, limit_mm, usual_mm):
         state = "jump_contradicts"
     return found if state == "filled" else replace(found, method="", state=state)
 
@@ -330,7 +332,9 @@ def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Fille
             reference_markers=placed.references,
             reason=placed.reason,
         )
-        found = _within(replace(found, method="", state="not_predicted") if placed.reason else found, limit_mm)
+        found = _within(
+            replace(found, method="", state="not_predicted") if placed.reason else found, limit_mm, limit_mm
+        )
         done.append(found)
         if found.method:
             path = MarkerTrajectory.measured(placed.name, placed.xyz, cov=placed.cov)

@@ -12,7 +12,7 @@ from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.edits import GapChoice
 from ..data.fills import detection_columns
 from ..data.method import Method, parameter
-from .fill import LIMIT, fill
+from .fill import fill
 from .filled_gap import Filled, FilledGap
 from .judge.auto import Auto
 from .rays import Rays, sharpened
@@ -31,9 +31,10 @@ class Filling(Method):
 
     method: Any = field(default_factory=Auto)
     name: str = "auto"
-    limit_mm: float = parameter(
-        LIMIT, unit="mm", above=0, meaning="gaps whose expected mean error is greater stay open"
-    )
+    limit_mm: float | None = parameter(
+        None, unit="mm", above=0,
+        meaning="gaps whose expected mean error is greater stay open; None: 20, less on what is smaller than a person",
+    )  # fmt: skip
     ends: bool = parameter(False, meaning="also fill before a marker's first sample and after its last")
     trim: int = parameter(
         0, unit="samples", low=0,

@@ -11,16 +11,16 @@ import numpy as np
 from ..data import Finding, Origin, Trajectories, make_finding
 from ..data import MarkerTrajectory as MarkerPath
 from ..data.finding import most_severe_first, red_if
-from ..fill import Filled, FilledGap, MarkerArray, find_gaps
+from ..fill import Filled, FilledGap, MarkerArray, find_gaps, usual_limit
 from ..fill.fill import of_markers
 from ..fill.known_samples import plausible
 from ..version import __version__
 from .plain import SCHEMA_VERSION, plain
 from .verdict import verdict_of
 
-UNSURE_MM = 10.0
-"""An expected error, or a standard deviation, above which a gap should be looked at before its values are used.
-Chosen."""
+UNSURE = 0.5
+"""Share of the usual limit; an expected error, or a standard deviation, that is greater should be looked at before
+its values are used; chosen: 10 mm on a person."""
 MORE_MOTION = 2.0
 """Times the motion of all hold-out gaps, above which the error of a gap is expected by extrapolation; chosen."""
 MUCH = 0.2
@@ -34,7 +34,7 @@ def filling_figures(
     *,
     source: str,
     method: str,
-    limit_mm: float,
+    limit_mm: float | None,
     computed: int = 0,
 ) -> dict[str, Any]:
     """Everything that the page of a filled trial says, as plain data for JSON.
@@ -42,17 +42,18 @@ def filling_figures(
     Args:
         filled: what `fill.fill` gave.
         before: the trial before it.
-        source: name of the trial or file; method: of filling; limit_mm: as given to `fill`.
+        source: name of the trial or file; method: of filling; limit_mm: as given to `fill`, which may be None.
         computed: points of the file with missing samples that are no markers, and were not looked at.
     """
     after = filled.trajectories
     gaps = [_gap(gap, after) for gap in filled.gaps]
+    usual = usual_limit(before.xyz)
     figures: dict[str, Any] = {
         "kinemark": __version__,
         "schema_version": SCHEMA_VERSION,
         "source": source,
         "method": method,
-        "limit_mm": limit_mm,
+        "limit_mm": usual if limit_mm is None else limit_mm,
         "rate_hz": before.rate,
         "frames": before.n_frames,
         "markers": len(before),
@@ -69,7 +70,7 @@ def filling_figures(
         "list": gaps,
     }
     figures = plain(figures)
-    findings = most_severe_first(list(_findings(figures)))
+    findings = most_severe_first(list(_findings(figures, UNSURE * usual)))
     figures["findings"] = [found.as_dict() for found in findings]
     figures["verdict"] = verdict_of(findings, _statements(figures)).as_dict()
     return figures
@@ -172,14 +173,14 @@ def _more_motion(gap: dict[str, Any]) -> bool:
     return gap["motion_ratio"] is not None and gap["motion_ratio"] > MORE_MOTION
 
 
-def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
-    """What needs attention."""
-    uncertain = [largest_error(gap) for gap in figures["list"] if gap["method"] and largest_error(gap) > UNSURE_MM]
+def _findings(figures: dict[str, Any], unsure_mm: float) -> Iterator[Finding]:
+    """What needs attention; gaps that may be farther off are uncertain."""
+    uncertain = [largest_error(gap) for gap in figures["list"] if gap["method"] and largest_error(gap) > unsure_mm]
     stayed_open = sum(not gap["method"] and gap["state"] != "left_open" for gap in figures["list"])
     if stayed_open:
         yield make_finding("gaps_open", severity=red_if(not figures["filled"]), gaps=stayed_open)
     if uncertain:
-        yield make_finding("gaps_uncertain", gaps=len(uncertain), limit_mm=UNSURE_MM, max_mm=max(uncertain))
+        yield make_finding("gaps_uncertain", gaps=len(uncertain), limit_mm=unsure_mm, max_mm=max(uncertain))
     if figures["unknown"]:
         yield make_finding("gaps_untested", gaps=figures["unknown"])
     if beyond := [gap["motion_ratio"] for gap in figures["list"] if gap["method"] and _more_motion(gap)]:

@@ -146,7 +146,7 @@ def _dots(before: Trajectories, gap: dict[str, Any]) -> dict[int, Floats]:
 
 def _limit(limit_mm: float | None) -> str:
     """What the largest expected error is held against; JSON has no infinity and says None."""
-    return "no limit" if limit_mm is None or math.isinf(limit_mm) else f"limit {limit_mm:g} mm"
+    return "no limit" if limit_mm is None or math.isinf(limit_mm) else f"limit {limit_mm:.4g} mm"
 
 
 def _tiles(figures: dict[str, Any]) -> list[Tile]:

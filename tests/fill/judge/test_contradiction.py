@@ -57,8 +57,9 @@ class TestFigures:
     def test_a_contradiction_wants_both_a_ratio_and_a_size_and_an_infinite_limit_asks_for_none(self):
         assert contradicts_sd(716.0, 4.0, 20.0) and not contradicts_sd(19.0, 1.0, 20.0)
         assert not contradicts_sd(40.0, 15.0, 20.0) and not contradicts_sd(716.0, 4.0, np.inf)
-        assert contradicts_jump(33.0, 4.0, 20.0) and not contradicts_jump(4.0, 0.5, 20.0)
-        assert not contradicts_jump(33.0, 15.0, 20.0) and not contradicts_jump(33.0, 4.0, np.inf)
+        assert contradicts_jump(33.0, 4.0, 20.0, 20.0) and not contradicts_jump(4.0, 0.5, 20.0, 20.0)
+        assert contradicts_jump(4.0, 0.5, 20.0, 2.0)  # of something small
+        assert not contradicts_jump(33.0, 15.0, 20.0, 20.0) and not contradicts_jump(33.0, 4.0, np.inf, 20.0)
         assert not contradicts_sd(np.nan, 4.0, 20.0)
 
 

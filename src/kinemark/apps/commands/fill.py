@@ -9,7 +9,6 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ...fill import LIMIT
 from ..output import (
     FailOn,
     Json,
@@ -32,7 +31,7 @@ def fill(
     method: str = "auto",
     set: Annotated[list[str] | None, Parameter(name="--set", negative="")] = None,
     model: Path | None = None,
-    limit_mm: float = LIMIT,
+    limit_mm: float | None = None,
     ends: bool = False,
     trim: int = 0,
     static: Path | None = None,
@@ -59,7 +58,8 @@ def fill(
         method: auto finds out for every gap which method is best; `kinemark methods fill` lists them.
         set: PARAMETER=VALUE of the method; may be repeated.
         model: an angle model (CSV) or another trial of the same motion, for limb_angles, kalman_angles and auto.
-        limit_mm: gaps whose expected mean error is greater stay open; inf leaves none open for that.
+        limit_mm: gaps whose expected mean error is greater stay open; inf leaves none open for that. Where none is
+            given: 20, or less where what is measured is smaller than a person.
         ends: also fill before a marker's first sample and after its last.
         trim: so many suspicious samples may be replaced on each side of a gap; 0 lists them and keeps all that was
             measured.

@@ -12,7 +12,7 @@ from ...data import KinemarkError, MarkerTrajectory, Origin, Trajectories
 from ...data.edits import BEST, OPEN, GapChoice, is_named
 from ...edit import Edited
 from ...engine.editing.last_fill import last_filled
-from ...fill import LIMIT, Filled, FilledGap
+from ...fill import Filled, FilledGap, usual_limit
 from ...fill.prepared import GapFill
 from .desk import OpenDocument
 from .edit_messages import Candidate, GapCandidates, GapRow, Gaps, MethodError
@@ -36,16 +36,16 @@ def gaps_of_markers(document: OpenDocument) -> Iterator[Gap]:
 def gap_table(document: OpenDocument) -> Gaps:
     """Every gap with what is known of it; those that nobody judged are judged behind."""
     work, before = work_of(document), filled_before(document)
-    rows, unknown = [], list[Gap]()
+    rows, unknown, limit = [], list[Gap](), _usual_limit(document)
     for gap in gaps_of_markers(document):
         found = work.known(gap, BEST)
         said = found.gap if found else before.get(gap.key)
         if said is None:
             unknown.append(gap)
-        rows.append(_row(document, gap, said))
+        rows.append(_row(document, gap, said, limit))
     work.ask_all(document, unknown)
     pending = any(work.awaited(gap) for gap in unknown)
-    return Gaps(gaps=rows, limit_mm=LIMIT, pending=pending, head=document.head)
+    return Gaps(gaps=rows, limit_mm=limit, pending=pending, head=document.head)
 
 
 def judged_gaps(document: OpenDocument) -> tuple[FilledGap, ...]:
@@ -190,7 +190,13 @@ def _choice(document: OpenDocument, gap: Gap) -> str | None:
     return mine[-1] if mine else None
 
 
-def _row(document: OpenDocument, gap: Gap, said: FilledGap | None) -> GapRow:
+def _usual_limit(document: OpenDocument) -> float:
+    """mm, that of the markers as they are now."""
+    now, away = document.now.trajectories, document.editing.computed
+    return usual_limit(now.xyz[[name not in away for name in now.names]])
+
+
+def _row(document: OpenDocument, gap: Gap, said: FilledGap | None, limit_mm: float) -> GapRow:
     start, choice = document.now.trajectories.first_frame, _choice(document, gap)
     others = {} if said is None else {m: mm for m, mm in said.expected_of.items() if m != said.method}
     return GapRow(
@@ -202,7 +208,7 @@ def _row(document: OpenDocument, gap: Gap, said: FilledGap | None) -> GapRow:
         expected_mm=None if said is None else finite(_expected_of(said, choice)),
         others=[MethodError(method=m, expected_mm=finite(mm)) for m, mm in sorted(others.items(), key=lambda o: o[1])],
         cameras_alone=_alone(document, gap),
-        state=_state(said, choice),
+        state=_state(said, choice, limit_mm),
         choice=choice,
         words=_words(said) if said else "",
     )
@@ -223,14 +229,14 @@ def _expected_of(said: FilledGap, choice: str | None) -> float:
     return said.expected_mm if choice in (None, BEST, OPEN) else said.expected_of.get(choice or "", float("nan"))
 
 
-def _state(said: FilledGap | None, choice: str | None) -> Any:
+def _state(said: FilledGap | None, choice: str | None, limit_mm: float) -> Any:
     if choice is not None:
         return "open" if choice == OPEN else "chosen"
     if said is None:
         return "not judged"
     if not said.candidates and not said.method:
         return "no way"
-    return "fillable" if said.method and said.expected_mm <= LIMIT else "above limit"
+    return "fillable" if said.method and said.expected_mm <= limit_mm else "above limit"
 
 
 def _alone(document: OpenDocument, gap: Gap) -> list[str]:

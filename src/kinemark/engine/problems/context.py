@@ -14,6 +14,7 @@ from ...data.edits import UNNAMED, Claim, Edit, Erase, Stretch, Verdict, is_name
 from ...data.problems import Action, Alternative, ProblemKind, problem_id
 from ...edit import Edited, stretch_of
 from ...edit.crossings import unbroken
+from ...fill import usual_limit
 from ...numerics.finite import finite_median
 from ...report.words.problems import action_text
 from ..editing.editing import Editing
@@ -50,6 +51,11 @@ class Context:
     def own(self) -> tuple[Ints, ...]:
         """Frames that each path has, from 0."""
         return tuple(np.flatnonzero(path.origin != Origin.MISSING) for path in self.now)
+
+    @cached_property
+    def limit_mm(self) -> float:
+        """How far off a fill may be expected to be: an open sample costs as much."""
+        return usual_limit(self.now.xyz[[name not in self.computed for name in self.now.names]])
 
     @property
     def computed(self) -> frozenset[str]:

@@ -17,7 +17,6 @@ import numpy as np
 from ...data.array_types import Floats
 from ...data.edits import Edit, Verdict
 from ...data.problems import Alternative, Problem, problem_id
-from ...fill import LIMIT
 from ...report.words.problems import action_text, exchange_text, exchanged_text
 from .context import Context
 
@@ -70,7 +69,8 @@ def _in_one(context: Context, both: Sequence[Problem], edges: Sequence[Problem])
     ways = (
         Alternative("exchange", exchange_text(tracks, one.first, one.last), wrong, (1 - wrong) * cost,
                     edits=(*_exchange(context, tracks, one), *verdicts)),
-        Alternative("erase", action_text("erase", tracks, one.first, float("nan")), 0.0, n * LIMIT, edits=_all(erase)),
+        Alternative("erase", action_text("erase", tracks, one.first, float("nan")), 0.0, n * context.limit_mm,
+                    edits=_all(erase)),
         Alternative("keep", action_text("keep", tracks, one.first, float("nan")), 1 - wrong, wrong * cost,
                     edits=_all(kept)),
     )  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...data.edits import GapChoice, Undo, Verdict, is_named
 from ...data.problems import Alternative, Problem, problem_id
-from ...fill import LIMIT, FilledGap
+from ...fill import FilledGap
 from ...report.words.problems import gaps_text, problem_text
 from .context import Context
 
@@ -58,7 +58,7 @@ def _gaps(context: Context, some: Sequence[FilledGap], first: int, last: int) ->
         "fill", tracks, first, float("nan"), sum(one.cost for one in each), fills, mm=most, name="best"
     )
     left_open = context.alternative(
-        "leave_open", tracks, first, float("nan"), LIMIT * sum(gap.length for gap in some), leave
+        "leave_open", tracks, first, float("nan"), context.limit_mm * sum(gap.length for gap in some), leave
     )
     return Problem(
         problem_id("gap", *(one.id for one in each[:1]), "and others"), "gap", tracks, first, last, first, worst.wrong,
@@ -68,12 +68,13 @@ def _gaps(context: Context, some: Sequence[FilledGap], first: int, last: int) ->
 
 
 def _gap(context: Context, gap: FilledGap, first: int, last: int) -> Problem:
-    """A gap; that it is filled by more than LIMIT off is as likely as errors about the one expected are."""
+    """A gap; that it is filled by more than the usual limit off is as likely as errors about the one expected are."""
     expected = gap.expected_mm if np.isfinite(gap.expected_mm) else np.inf
-    wrong = float(np.exp(-LIMIT / max(expected, 1e-9))) if gap.method else 1.0
+    limit = context.limit_mm
+    wrong = float(np.exp(-limit / max(expected, 1e-9))) if gap.method else 1.0
     tracks, n = (gap.marker,), gap.length
-    open_cost = n * LIMIT
-    cost = n * min(expected, LIMIT)
+    open_cost = n * limit
+    cost = n * min(expected, limit)
 
     def way(name: str, mm: float) -> Alternative:
         return context.alternative(

@@ -10,7 +10,7 @@ difference |p(t−1) − 2 p(t) + p(t+1)| is what a jump adds to, whatever the s
 the greater of its 99.5th percentile over all of the marker that is measured and the median of the same frame's over the
 reference markers, for fast movements have great ones. The gap stays open where
 
-    jump > JUMP_RATIO ē   and   jump > JUMP_MM                                                            (2)
+    jump > JUMP_RATIO ē   and   jump > JUMP_SHARE of the usual limit                                      (2)
 
 Beside suspicious samples (`edges`), which are listed, (2) is not asked: it is they that jump. A limit that is infinite
 fills all that can be filled: then neither is asked.
@@ -30,8 +30,8 @@ SD_RATIO = 5.0
 JUMP_RATIO = 5.0
 """Times the expected error, from which a jump contradicts it, without unit; chosen: in 36 gaps of the benchmark's
 trials it was at most 0.2 times."""
-JUMP_MM = 5.0
-"""mm, below which a jump does no harm; chosen: a quarter of the usual limit of the expected error."""
+JUMP_SHARE = 0.25
+"""Of the usual limit of the expected error, below which a jump does no harm; chosen: 5 mm on a person."""
 
 
 def largest_sd(cov: Floats) -> float:
@@ -71,6 +71,6 @@ def contradicts_sd(sd: float, expected: float, limit_mm: float) -> bool:
     return bool(np.isfinite(limit_mm) and sd > max(SD_RATIO * expected, limit_mm))
 
 
-def contradicts_jump(jump: float, expected: float, limit_mm: float) -> bool:
-    """(2)."""
-    return bool(np.isfinite(limit_mm) and jump > max(JUMP_RATIO * expected, JUMP_MM))
+def contradicts_jump(jump: float, expected: float, limit_mm: float, usual_mm: float) -> bool:
+    """(2), of a trial with that usual limit."""
+    return bool(np.isfinite(limit_mm) and jump > max(JUMP_RATIO * expected, JUMP_SHARE * usual_mm))

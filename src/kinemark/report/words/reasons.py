@@ -75,7 +75,8 @@ def open_gap_text(gap: Mapping[str, Any], limit_mm: float) -> str:
             expected = {name: mm for name, mm in gap["candidates_mm"].items() if mm == gap["expected_mm"]}
             which = f"the best method ({', '.join(expected)})" if expected else "it"
             return (
-                f"{which} is expected to be off by {gap['expected_mm']:.1f} mm, more than the limit of {limit_mm:g} mm"
+                f"{which} is expected to be off by {gap['expected_mm']:.1f} mm, "
+                f"more than the limit of {limit_mm:.4g} mm"
             )
         case "sd_contradicts":
             return (

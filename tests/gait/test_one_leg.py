@@ -93,10 +93,39 @@ def test_a_pelvis_without_legs_is_refused(tmp_path, lab):
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_a_standing_trial_without_a_leg_that_the_walk_has_is_refused(tmp_path, lab, side):
     """The ankle's angles were 9° off, and nothing said why."""
-    write_trial(lab.walk, tmp_path / "walk.c3d")
-    write_trial(bare(lab.static, side), tmp_path / "static.c3d")
-    with pytest.raises(KinemarkError, match=f"walk: The standing trial static never shows the {side} leg"):
-        gait_of_files([tmp_path / "walk.c3d"], static=tmp_path / "static.c3d", measures=MEASURES, settings=SETTINGS)
+    refused = refusal(tmp_path, lab.walk, bare(lab.static, side))
+    assert f"walk: The standing trial static never shows the {side} leg" in refused and OR_NONE in refused
+    assert gait_of_files([tmp_path / "walk.c3d"], measures=MEASURES, settings=SETTINGS).curves  # what it says is so
+
+
+OR_NONE = "Or leave the standing trial out"
+
+
+def refusal(folder, walk, static, measures=MEASURES):
+    """What is said where nothing can be made of both."""
+    write_trial(walk, folder / "walk.c3d")
+    write_trial(static, folder / "static.c3d")
+    with pytest.raises(KinemarkError) as refused:
+        gait_of_files([folder / "walk.c3d"], static=folder / "static.c3d", measures=measures, settings=SETTINGS)
+    return str(refused.value)
+
+
+def without(trial, *names):
+    paths = tuple(path for path in trial.trajectories if path.name not in names)
+    return replace(trial, trajectories=replace(trial.trajectories, paths=paths))
+
+
+@pytest.mark.parametrize("measures", [MEASURES, None])
+def test_a_standing_trial_without_markers_is_named_and_may_be_left_out(tmp_path, lab, measures):
+    """Without measures neither the file nor the markers were named: the left leg cannot be measured."""
+    foot = ("LANK", "LHEE", "LTOE")
+    refused = refusal(tmp_path, lab.walk, without(lab.static, *foot), measures)
+    assert refused.startswith("static: ") and ", ".join(foot) in refused and OR_NONE in refused
+
+
+def test_a_standing_trial_that_a_walk_has_its_heels_from_is_not_said_to_be_left_out(tmp_path, lab):
+    refused = refusal(tmp_path, without(lab.walk, "LHEE"), without(lab.static, "RTOE"))
+    assert refused.startswith("static: ") and OR_NONE not in refused
 
 
 def test_markers_at_one_place_show_nothing(lab):

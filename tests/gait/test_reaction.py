@@ -311,7 +311,10 @@ def test_a_step_counts_where_the_next_plate_has_the_other_foot_whose_markers_are
     assert (first.plate, first.side, first.reason) == (0, "left", "")
 
 
-@pytest.mark.parametrize(("unit", "newton_mm"), [("Nmm", 1.0), ("N*m", 1e3), ("kNmm", 1e3), ("kNm", 1e6)])
+WORDS = [("Newton-Meters", 1e3), ("newton metre", 1e3), ("N millimeters", 1.0), ("NMeters", 1e3), ("N·cm", 10.0)]
+
+
+@pytest.mark.parametrize(("unit", "newton_mm"), [("Nmm", 1.0), ("N*m", 1e3), ("kNmm", 1e3), ("kNm", 1e6), *WORDS])
 def test_moments_have_a_unit(unit, newton_mm):
     plate, analog, *_ = made(2)
     scale = np.repeat([1, newton_mm], 3)[:, None]
@@ -320,7 +323,17 @@ def test_moments_have_a_unit(unit, newton_mm):
     np.testing.assert_allclose(two.centre, one.centre, atol=1e-6)
 
 
-@pytest.mark.parametrize(("unit", "mm"), [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)])
+@pytest.mark.parametrize(("unit", "newton"), [("Newtons", 1.0), ("kN", 1e3), ("Kilonewton", 1e3)])
+def test_forces_have_a_unit(unit, newton):
+    plate, analog, *_ = made(2)
+    other = Analog(
+        plate.channels, (unit,) * 3 + ("Nmm",) * 3, RATE, analog[0].values / np.repeat([newton, 1], 3)[:, None]
+    )
+    one, two = (reaction(plate, (each,), n_frames=N, rate=RATE) for each in (analog[0], other))
+    np.testing.assert_allclose(two.force, one.force, atol=1e-6)
+
+
+@pytest.mark.parametrize(("unit", "mm"), [("mm", 1.0), ("cm", 10.0), ("m", 1000.0), ("centimetres", 10.0)])
 def test_a_measured_centre_has_a_unit(unit, mm):
     plate, analog, _, centre, _ = made(1)
     units = ("N", "N", "N", unit, unit, "Nmm")

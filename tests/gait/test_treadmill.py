@@ -54,6 +54,25 @@ def test_lengths_and_speed_count_from_the_belt(speed, direction):
     assert np.sqrt(np.nanmean(np.square(errors))) < 1.6
 
 
+@pytest.mark.parametrize("share", [-0.5, 0.5, 0.85])
+def test_an_owner_may_move_over_a_belt(share):
+    """One at half the belt's speed had strides of half their length, and one who fell back strides of twice it."""
+    ground = walk(1200.0, seed=5)
+    _, _, there = measured(ground)
+    _, floor, here = measured(on_belt(ground, 1200.0 * (1 - share), 40.0))
+    assert np.linalg.norm(floor.velocity) == pytest.approx(1200.0 * (1 - share), rel=0.03)
+    for side in ("left", "right"):
+        for name in LENGTHS:
+            assert here[side][name][0] == pytest.approx(there[side][name][0], rel=0.01, abs=3), name
+
+
+def test_toes_that_stand_are_on_no_belt():
+    """Heels of one who lets them down go back, against the swing."""
+    points = walk(600.0)
+    events = foot_events(Trial("walk", Trajectories((), RATE)), points)
+    assert floor_velocity(events, on_toes(points, events, -250.0), rate=RATE) is STILL
+
+
 def split(points, factor):
     """The left foot goes to and fro by so much more: its belt is as much faster, strikes and offs are the same."""
     to_and_fro = (points["LHEE"] - points["LHEE"].mean(0)) * [1, 0, 0]

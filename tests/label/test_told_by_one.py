@@ -1,5 +1,6 @@
 """Markers that look alike, by a static trial without segments: what one other marker alone says of them."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -11,7 +12,7 @@ from kinemark.label import margin as of_margin
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import label_probability, margins
 from kinemark.label.stretches import stretches_of
-from kinemark.label.told_by_one import TIMES, at_most_tellers, in_one_posture, told_by_one
+from kinemark.label.told_by_one import TIMES, at_most_tellers, told_by_none, told_by_one
 
 WRIST = ("MEDIAL", "LATERAL")
 
@@ -60,10 +61,25 @@ def test_one_other_marker_says_little_of_markers_that_look_alike_and_much_of_oth
 
 
 @pytest.mark.parametrize("segments", [None, {"forearm": WRIST}])
-def test_it_is_of_templates_that_know_no_segment(segments):
+def test_their_own_distance_tells_nothing_of_two(segments):
     template = by_one_posture(segments)
     a, b = (template.names.index(name) for name in WRIST)
-    assert in_one_posture([(a, b)], template.keeps).tolist() == [segments is None]
+    assert told_by_none([(a, b)], template, np.ones(len(template), bool)).tolist() == [True]
+
+
+def test_a_marker_whose_distance_keeps_tells_two_apart_where_it_is_seen():
+    """Two of a racer's glove were surely exchanged where the one that tells them apart was not there: a forearm in a
+    posture that its template never showed spoke for the exchange."""
+    with_elbow = {"forearm": (*WRIST, "T0")}
+    template = by_one_posture(with_elbow)
+    a, b, elbow = (template.names.index(name) for name in (*WRIST, "T0"))
+    there = np.ones(len(template), bool)
+    mean = template.distance.copy()
+    mean[a, elbow] = mean[elbow, a] = 1.5 * mean[b, elbow]
+    told = replace(template, distance=mean)
+    assert told_by_none([(a, b)], told, there).tolist() == [False]
+    there[elbow] = False
+    assert told_by_none([(a, b)], told, there).tolist() == [True]
 
 
 def with_hand():

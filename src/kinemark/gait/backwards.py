@@ -4,8 +4,9 @@ Over ground, with the pelvis at p and d its own direction on the floor, the way 
 
     w = Σ (pₖ₊₁ − pₖ) · dₖ                                                                                    (1)
 
-is below zero. On a treadmill w tells nothing; there a foot that swings is high, and goes the way of the walk from the
-pelvis, so that the correlation of its height and of this speed has the sign of the way (2).
+is below zero. On a treadmill w tells nothing, or where the subject drifts; there a foot that swings is high, and goes
+the way of the walk from the pelvis, so that the correlation of its height and of this speed has the sign of the way
+(2).
 
 Who goes to and fro without turning round walks forwards in one part and backwards in the next: the sum (1) up to a
 frame turns there by what is a walk. It counts where (2) agrees in each part (3), as who drifts to and fro on a
@@ -32,6 +33,11 @@ from .straight_passes import WALKED_MM
 AGAINST = -0.2
 """Correlation (2), mean of both feet, below which the walk goes behind; chosen: in 13 public walks and turns forward it
 was 0.51 and more, and in one on stairs 0.25."""
+
+
+CLEAR = 0.4
+"""Size of the correlation (2) above which it counts against (1), as of one who drifts on a treadmill; chosen: below
+what walks over ground had, forward and turned in time."""
 
 
 class WalkedPart(NamedTuple):
@@ -61,8 +67,9 @@ def walked_parts(points: Mapping[str, Floats]) -> list[WalkedPart]:
     parts = parts_by_way(pelvis)
     if len(parts) > 1 and all((_agreement(points, pelvis, part) < 0) == part.backwards for part in parts):
         return parts
-    w = way_as_faced(pelvis)
-    backwards = w < 0 if abs(w) >= WALKED_MM else _agreement(points, pelvis, whole) < AGAINST
+    w, agreement = way_as_faced(pelvis), _agreement(points, pelvis, whole)
+    drifts = w * agreement < 0 and abs(agreement) > CLEAR
+    backwards = w < 0 if abs(w) >= WALKED_MM and not drifts else agreement < AGAINST
     return [whole._replace(backwards=backwards)]
 
 

@@ -32,6 +32,7 @@ Source: C3D file format user guide, types 1 to 5.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -54,10 +55,16 @@ CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6, 5: 8}
 """Of each type of plate; of the file format."""
 IN_NEWTON = {"N": 1.0, "KN": 1000.0}
 """Force units; by definition."""
-IN_NEWTON_MM = {"NMM": 1.0, "NM": 1000.0, "NCM": 10.0, "NMETERS": 1000.0, "KNMM": 1000.0, "KNM": 1e6}
+IN_NEWTON_MM = {"NMM": 1.0, "NM": 1000.0, "NCM": 10.0, "KNMM": 1000.0, "KNM": 1e6}
 """Moment units; by definition."""
 IN_MM = {"MM": 1.0, "CM": 10.0, "M": 1000.0}
 """Units of a centre of pressure (type 1); by definition."""
+IN_LETTERS = re.compile(
+    "(?P<kilo>KILO)|(?P<milli>MILLI)|(?P<centi>CENTI)|(?P<newton>NEWTONS?)|(?P<metre>MET(?:ER|RE)S?)"
+)
+"""Words of units; by definition."""
+LETTERS = {"kilo": "K", "milli": "M", "centi": "C", "newton": "N", "metre": "M"}
+"""Their letters; by definition."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -264,7 +271,8 @@ def _stated_quiet(values: Floats, record: Analog, plate: ForcePlate, rate: float
 def _to_house(record: Analog, name: str) -> float:
     """Factor to N, N·mm or mm; 1 where the unit is unknown, as a calibration matrix may follow."""
     stated = record.units[record.names.index(name)].upper()
-    plain = "".join(letter for letter in stated if letter.isalpha())
+    words = "".join(letter for letter in stated if letter.isalpha())
+    plain = IN_LETTERS.sub(lambda word: LETTERS[str(word.lastgroup)], words)
     return (IN_NEWTON | IN_NEWTON_MM | IN_MM).get(plain, 1.0)
 
 

@@ -26,8 +26,8 @@ by the subject's own template are others: a label is right where most of its sam
 of them is right where its label is.
 
 *The label.* A whole label exchanged all through the trial is invisible to its pieces. Exchanges must lose: x is the
-least that one with a loses (`exchange` (1), at most five times `told_by_one` (1) where the template shows one posture
-and no segments), or that a loses to a marker without name (`claims` (1)); where x is 0,
+least that one with a loses (`exchange` (1), at most five times `told_by_one` (1) where no
+distance that keeps tells both apart), or that a loses to a marker without name (`claims` (1)); where x is 0,
 or below it by another subject's template, the other way round is as likely. Chains of labels that
 have all moved up one place end at one that fits badly, or at a piece of a marker, so that the worst fit f_n of the four
 nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well. All
@@ -72,7 +72,7 @@ from .rivals import lost_to_rivals
 from .stretches import Stretches, together
 from .sweeps import continuity, evidence, expectation, places
 from .template import Template
-from .told_by_one import TIMES, in_one_posture, told_by_one
+from .told_by_one import TIMES, told_by_none, told_by_one
 
 BETA_TRACK = (-3.21, 1.48, 2.15, 2.23, 1.66, 1.05, 0.84, 0.0, 0.0)
 """Of (3); logits; measured on the rows of benchmarks/labelling_cases.py that are tuned on, each shredded in two ways,
@@ -313,9 +313,10 @@ def _exchanges(y: Single, template: Template, pairs: PairScore, fixed: Ints) -> 
 
 
 def _most(y: Single, template: Template, pairs: PairScore, exchanger: Exchanger) -> Floats:
-    """(M) the most that exchanges of two count as losing, nats; infinite where a distance of one is known to keep."""
+    """(M) the most that exchanges of two count as losing, nats; infinite where what keeps tells both apart."""
     twos = [(was[0], was[1]) for was, _ in exchanger.twos]
-    out, own = np.full(len(twos), np.inf), np.flatnonzero(in_one_posture(twos, template.keeps))
+    there = np.asarray(np.isfinite(y[..., 0]).any(0))
+    out, own = np.full(len(twos), np.inf), np.flatnonzero(told_by_none(twos, template, there))
     out[own] = TIMES * told_by_one(y, pairs, [twos[k] for k in own.tolist()])
     return out
 

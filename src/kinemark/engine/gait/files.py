@@ -16,9 +16,10 @@ from ...data.subject_measures import SIDES, SubjectMeasures
 from ...findings.gait import GaitOfTrial, gait_figures
 from ...findings.gait_subjects import BodyOfTrial, of_left_out
 from ...gait.clusters import Clusters, usual_clusters, with_wands
-from ...gait.lower_limb import leg_seen
+from ...gait.lower_limb import check_markers, leg_seen
 from ...gait.same_motion import same_motion
 from ...gait.standard_trial import with_absent_leg
+from ...gait.static_axes import with_knees
 from ...io.c3d import write_c3d
 from ...io.files import write_json
 from ...io.gait_csv import write_curves_csv, write_key_values_csv, write_time_distance_csv
@@ -204,7 +205,31 @@ def _walks_and_standing(
     unusable = unread | incomplete
     if not whole:
         raise next(iter(unusable.values()))
+    if still is not None:
+        _check_standing(still, list(whole.values()))
     return list(whole.values()), still, unusable
+
+
+def _check_standing(still: Recorded, walks: Sequence[Recorded]) -> None:
+    """Whether the standing trial has the model's markers.
+
+    Raises:
+        KinemarkError: it does not.
+    """
+    try:
+        check_markers(with_wands(with_knees(still.points)))
+    except KinemarkError as error:
+        raise KinemarkError(f"{still.name}: {error}{_or_none(still, walks)}") from None
+
+
+def _or_none(still: Recorded, walks: Sequence[Recorded]) -> str:
+    """That these walks can be measured without the standing trial, where they wear all markers themselves."""
+    if still.clusters or any(walk.standard.heels for walk in walks):
+        return ""
+    return (
+        " Or leave the standing trial out (no --static; in a session, no trial of the kind static): walks are measured "
+        "without it, with ankle and foot angles of the line from ankle to toe."
+    )
 
 
 def _stood(walk: Recorded, still: Recorded | None) -> Recorded:
@@ -220,6 +245,7 @@ def _stood(walk: Recorded, still: Recorded | None) -> Recorded:
         raise KinemarkError(
             f"{walk.name}: The standing trial {still.name} never shows the {' and the '.join(bare)} leg, so that there "
             "are no offsets of the foot. Name the leg's markers there, or give another standing trial."
+            f"{_or_none(still, [walk])}"
         )
     return walk
 

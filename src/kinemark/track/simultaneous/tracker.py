@@ -205,11 +205,10 @@ def _learned(
     moving = with_learned_motion(working.images, detections.rate, method, seen)
     del seen
     return_memory()
-    broken = moving.images is not working.images or moving.method.process_noise < method.process_noise
-    working, method = working._replace(images=moving.images), moving.method
+    working, method, broke = working._replace(images=moving.images), moving.method, moving.broke
     del moving
     first = _first_pass(detections, images, working, method, errors)
-    if not broken:  # tracks that break need the room they have
+    if not broke:  # tracks that break need the room they have
         held = [working]
         del working  # its places are given up while another rig's are looked at
         working, better = of_tracks(detections, images, held, Tracks(first.cloud, first.id), method)

@@ -12,9 +12,13 @@ the same share of second differences as (2) does of third ones,
 
     b = x₂ − 2 x₁ + x₀,   var b = a² h⁴ + (V₂ + 4 V₁ + V₀)                               (4)
 
-All are only ever raised: a part may be quieter than the whole. What was not followed the first time may be followed
+These only ever raise them: a part may be quieter than the whole. What was not followed the first time may be followed
 then, so this is done up to ROUNDS times; and as runners whom no new track keeps up with leave no track at all, windows
 are also tracked as if all were runners, which counts where tracks then have GAIN times as many images (5).
+
+Where few frames are taken a second, what markers usually may do reaches beyond their neighbours, and tracks begin and
+go on with images of several. So from LOW on windows are also tracked with half of the process noise and of a, and again
+with a quarter, which counts where tracks then have FEWER_WRONG times as many images (8).
 
 Where few frames are taken a second of something that moves evenly, as a plate that is carried about at 10 Hz, the
 usual process noise reaches beyond the neighbours, and tracks break. Of tracks of L frames the length
@@ -88,6 +92,10 @@ ROUNDS = 3
 """Times that parts are tracked; chosen (see benchmarks/tracking_scenes.py)."""
 
 
+LOW, HALVINGS, FEWER_WRONG = 0.0199, 2, 1.003
+"""s from frame to frame, the number of times and that of (8); chosen on 14 scenes at 25 Hz (970000 to 970159 of
+benchmarks/tracking_scenes.py). A third halving changes nothing in 27 others."""
+
 FOLLOWED, LONGER = 0.7, 1.2
 """Of the length of a window, and of (6); chosen (see studies/infrared_footage.py): of seeds 0 to 19 of
 benchmarks/tracking_scenes.py none has less than 0.77 of a window, and the infrared footage 0.55."""
@@ -101,10 +109,12 @@ NOISIER = 1.0
 
 
 class Learned(NamedTuple):
-    """The images, noisier where that is so, and the method with the motion of the recording."""
+    """The images, noisier where that is so; the method with the motion of the recording; whether (7) changed either, as
+    tracks broke."""
 
     images: Images
     method: Simultaneous
+    broke: bool = False
 
 
 def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen: Associations | None = None) -> Learned:
@@ -125,20 +135,37 @@ def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen:
             break
         method = faster
         seen = in_windows(images, rate, method)
+    method, seen = _with_less(images, rate, method, seen)
     if _track_length(seen) < FOLLOWED * _window_length(images, rate):
         return _mended(images, rate, method, seen)
     return Learned(images, method)
+
+
+def _with_less(
+    images: Images, rate: float, method: Simultaneous, seen: Associations
+) -> tuple[Simultaneous, Associations]:
+    """The method with less process noise and acceleration where few frames are taken a second, by (8), and its tracks
+    in windows."""
+    for _ in range(HALVINGS if 1 / rate > LOW else 0):
+        halves = {name: getattr(method, name) / 2 for name in ("process_noise", "acceleration_sd")}
+        less = replace(method, **halves)
+        tried = in_windows(images, rate, less)
+        if count_images(tried) <= FEWER_WRONG * count_images(seen):
+            break
+        method, seen = less, tried
+    return method, seen
 
 
 def _mended(images: Images, rate: float, method: Simultaneous, seen: Associations) -> Learned:
     """What keeps tracks whole that break in windows `seen`, by (7)."""
     even = replace(method, **{name: min(least, getattr(method, name)) for name, least in EVENLY._asdict().items()})
     tried = in_windows(images, rate, even)
-    if _track_length(tried) > LONGER * _track_length(seen):
+    longer = _track_length(tried) > LONGER * _track_length(seen)
+    if longer:
         method, seen = even, tried
     noisier = images.noisier(np.full(len(images.P), NOISIER**2))
     more = count_images(in_windows(noisier, rate, method)) > GAIN * count_images(seen)
-    return Learned(noisier if more else images, method)
+    return Learned(noisier if more else images, method, broke=longer or more)
 
 
 def count_images(seen: Associations) -> int:

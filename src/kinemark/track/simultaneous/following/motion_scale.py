@@ -19,6 +19,7 @@ are also tracked as if all were runners, which counts where tracks then have GAI
 Where few frames are taken a second, what markers usually may do reaches beyond their neighbours, and tracks begin and
 go on with images of several. So from LOW on windows are also tracked with half of the process noise and of a, and again
 with a quarter, which counts where tracks then have FEWER_WRONG times as many images (8).
+Of tracks that break, by (6), it is not asked.
 
 Where few frames are taken a second of something that moves evenly, as a plate that is carried about at 10 Hz, the
 usual process noise reaches beyond the neighbours, and tracks break. Of tracks of L frames the length
@@ -135,17 +136,13 @@ def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen:
             break
         method = faster
         seen = in_windows(images, rate, method)
-    method, seen = _with_less(images, rate, method, seen)
     if _track_length(seen) < FOLLOWED * _window_length(images, rate):
         return _mended(images, rate, method, seen)
-    return Learned(images, method)
+    return Learned(images, _with_less(images, rate, method, seen))
 
 
-def _with_less(
-    images: Images, rate: float, method: Simultaneous, seen: Associations
-) -> tuple[Simultaneous, Associations]:
-    """The method with less process noise and acceleration where few frames are taken a second, by (8), and its tracks
-    in windows."""
+def _with_less(images: Images, rate: float, method: Simultaneous, seen: Associations) -> Simultaneous:
+    """The method, by which windows were `seen`, with less process noise and acceleration by (8)."""
     for _ in range(HALVINGS if 1 / rate > LOW else 0):
         halves = {name: getattr(method, name) / 2 for name in ("process_noise", "acceleration_sd")}
         less = replace(method, **halves)
@@ -153,7 +150,7 @@ def _with_less(
         if count_images(tried) <= FEWER_WRONG * count_images(seen):
             break
         method, seen = less, tried
-    return method, seen
+    return method
 
 
 def _mended(images: Images, rate: float, method: Simultaneous, seen: Associations) -> Learned:

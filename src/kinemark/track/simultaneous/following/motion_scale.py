@@ -19,7 +19,6 @@ are also tracked as if all were runners, which counts where tracks then have GAI
 Where few frames are taken a second, what markers usually may do reaches beyond their neighbours, and tracks begin and
 go on with images of several. So from LOW on windows are also tracked with half of the process noise and of a, and again
 with a quarter, which counts where tracks then have FEWER_WRONG times as many images (8).
-Of tracks that break, by (6), it is not asked.
 
 Where few frames are taken a second of something that moves evenly, as a plate that is carried about at 10 Hz, the
 usual process noise reaches beyond the neighbours, and tracks break. Of tracks of L frames the length
@@ -27,10 +26,10 @@ usual process noise reaches beyond the neighbours, and tracks break. Of tracks o
     Σ L² / Σ L                                                                           (6)
 
 is that of the track on which a point is on average. Where it is less than FOLLOWED of a window, windows are also
-tracked as if all moved evenly, which counts where (6) grows by LONGER; and then as if images were noisier by NOISIER,
-which counts where tracks have GAIN times as many images (7): a calibration that fits in the middle and not at the
-sides, or cameras out of step, make images noisy in a part of the recording, of which the noise of the whole says
-nothing.
+tracked as if all moved evenly, which counts, in place of (8), where (6) grows by LONGER. Then, and where tracks break
+by (8) too, they are tracked as if images were noisier by NOISIER, which counts where tracks have GAIN times as many
+images (7): a calibration that fits in the middle and not at the sides, or cameras out of step, make images noisy in a
+part of the recording, of which the noise of the whole says nothing.
 """
 
 from __future__ import annotations
@@ -118,6 +117,13 @@ class Learned(NamedTuple):
     broke: bool = False
 
 
+class _InWindows(NamedTuple):
+    """A method, and the tracks that it makes in windows."""
+
+    method: Simultaneous
+    seen: Associations
+
+
 def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen: Associations | None = None) -> Learned:
     """The method with more process noise, velocity and acceleration, or less where tracks break.
 
@@ -136,12 +142,24 @@ def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen:
             break
         method = faster
         seen = in_windows(images, rate, method)
-    if _track_length(seen) < FOLLOWED * _window_length(images, rate):
-        return _mended(images, rate, method, seen)
-    return Learned(images, _with_less(images, rate, method, seen))
+    broken = FOLLOWED * _window_length(images, rate)
+    even = _moving_evenly(images, rate, method, seen) if _track_length(seen) < broken else None
+    method, seen = even or _with_less(images, rate, method, seen)
+    if not even and _track_length(seen) >= broken:
+        return Learned(images, method)
+    noisier = images.noisier(np.full(len(images.P), NOISIER**2))
+    more = count_images(in_windows(noisier, rate, method)) > GAIN * count_images(seen)
+    return Learned(noisier if more else images, method, broke=more or even is not None)
 
 
-def _with_less(images: Images, rate: float, method: Simultaneous, seen: Associations) -> Simultaneous:
+def _moving_evenly(images: Images, rate: float, method: Simultaneous, seen: Associations) -> _InWindows | None:
+    """The method for what moves evenly, where it keeps tracks whole that break in windows `seen`, by (7)."""
+    even = replace(method, **{name: min(least, getattr(method, name)) for name, least in EVENLY._asdict().items()})
+    tried = in_windows(images, rate, even)
+    return _InWindows(even, tried) if _track_length(tried) > LONGER * _track_length(seen) else None
+
+
+def _with_less(images: Images, rate: float, method: Simultaneous, seen: Associations) -> _InWindows:
     """The method, by which windows were `seen`, with less process noise and acceleration by (8)."""
     for _ in range(HALVINGS if 1 / rate > LOW else 0):
         halves = {name: getattr(method, name) / 2 for name in ("process_noise", "acceleration_sd")}
@@ -150,19 +168,7 @@ def _with_less(images: Images, rate: float, method: Simultaneous, seen: Associat
         if count_images(tried) <= FEWER_WRONG * count_images(seen):
             break
         method, seen = less, tried
-    return method
-
-
-def _mended(images: Images, rate: float, method: Simultaneous, seen: Associations) -> Learned:
-    """What keeps tracks whole that break in windows `seen`, by (7)."""
-    even = replace(method, **{name: min(least, getattr(method, name)) for name, least in EVENLY._asdict().items()})
-    tried = in_windows(images, rate, even)
-    longer = _track_length(tried) > LONGER * _track_length(seen)
-    if longer:
-        method, seen = even, tried
-    noisier = images.noisier(np.full(len(images.P), NOISIER**2))
-    more = count_images(in_windows(noisier, rate, method)) > GAIN * count_images(seen)
-    return Learned(noisier if more else images, method, broke=longer or more)
+    return _InWindows(method, seen)
 
 
 def count_images(seen: Associations) -> int:

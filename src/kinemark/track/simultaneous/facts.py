@@ -140,7 +140,7 @@ def tracked_images(
 def _prepared(detections: Detections, rig: Rig, method: Simultaneous) -> tuple[Images, Noise, Simultaneous]:
     """Images and their noise, and how markers move, as the tracker learns them."""
     images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
-    images, method = with_learned_motion(images.without(noise.inconsistent), detections.rate, method)
+    images, method, _ = with_learned_motion(images.without(noise.inconsistent), detections.rate, method)
     return images, noise, method
 
 

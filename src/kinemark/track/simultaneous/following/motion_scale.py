@@ -17,8 +17,9 @@ then, so this is done up to ROUNDS times; and as runners whom no new track keeps
 are also tracked as if all were runners, which counts where tracks then have GAIN times as many images (5).
 
 Where few frames are taken a second, what markers usually may do reaches beyond their neighbours, and tracks begin and
-go on with images of several. So where frames are farther apart than LOW windows are also tracked with half of the process noise and of a, and again
-with a quarter, which counts where tracks then have FEWER_WRONG times as many images (8).
+go on with images of several. So where frames are farther apart than LOW windows are also tracked with half of the
+process noise and of a, and again with a quarter, which counts where tracks then have FEWER_WRONG times as many images
+(8).
 
 Where few frames are taken a second of something that moves evenly, as a plate that is carried about at 10 Hz, the
 usual process noise reaches beyond the neighbours, and tracks break. Of tracks of L frames the length

@@ -68,7 +68,7 @@ class Simultaneous(Method):
     learn_motion: bool = parameter(
         True,
         meaning="raise process_noise, velocity_sd and acceleration_sd to what the recording has, where that is more, "
-        "and lower them where tracks break that then do not",
+        "and lower them where tracks break that then do not, or below 33 Hz have more images",
     )
     learn_delays: bool = parameter(
         True, meaning="track again with the delays of cameras that the tracks show not to be synchronous"

@@ -94,9 +94,9 @@ ROUNDS = 3
 
 
 LOW, HALVINGS, FEWER_WRONG = 0.03, 2, 1.003
-"""s from frame to frame, the number of times and that of (8); chosen on 14 scenes at 25 Hz (970000 to 970159 of
+"""s from frame to frame, the number of times and that of (8); chosen on 20 scenes at 25 Hz (970000 to 970159 of
 benchmarks/tracking_scenes.py). A third halving changes nothing in 27 others. At 50 Hz fingers are exchanged either way:
-of six grids of 30 markers three have fewer swaps, and three more."""
+of six grids of 30 markers two have fewer swaps, and four more."""
 
 FOLLOWED, LONGER = 0.7, 1.2
 """Of the length of a window, and of (6); chosen (see studies/infrared_footage.py): of seeds 0 to 19 of

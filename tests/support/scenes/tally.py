@@ -1,7 +1,7 @@
 """Tracks against the truth of a scene.
 
 A tracked point is a marker's that lies within NEAR of it, or within four of the standard deviations that the cameras
-allow which see the sample; each marker has one point. Wanted are samples of which two cameras have an image of their
+allow which see the sample; each marker has one point, the nearest in all. Wanted are samples of which two cameras have an image of their
 own, where these leave no more than OPEN open.
 """
 
@@ -71,9 +71,9 @@ def owners(made, tracks):
         rows = np.arange(len(cloud))[cloud.rows(f)]
         rows = rows[tracks.id[rows] >= 0]
         apart = np.linalg.norm(cloud.xyz[rows][:, None] - made.xyz[:, f], axis=-1)
-        cost = np.where(apart < reach[:, f], apart / reach[:, f], 10.0)
-        i, j = linear_sum_assignment(cost)
-        good = cost[i, j] < 1
+        within = apart < reach[:, f]
+        i, j = linear_sum_assignment(np.where(within, apart, 1e3 + apart))
+        good = within[i, j]
         owner[rows[i[good]]], off[rows[i[good]]] = j[good], apart[i[good], j[good]]
     return owner, off
 

@@ -140,8 +140,8 @@ def tracked_images(
 def _prepared(detections: Detections, rig: Rig, method: Simultaneous) -> tuple[Images, Noise, Simultaneous]:
     """Images and their noise, and how markers move, as the tracker learns them."""
     images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
-    images, method, _ = with_learned_motion(images.without(noise.inconsistent), detections.rate, method)
-    return images, noise, method
+    learned = with_learned_motion(images.without(noise.inconsistent), detections.rate, method)
+    return learned.images, noise, learned.method
 
 
 def _in_time(detections: Detections, images: Images, tracks: Tracks, method: Simultaneous) -> Detections:

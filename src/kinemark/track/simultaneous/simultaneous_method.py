@@ -11,7 +11,7 @@ from ...data.method import Method, parameter
 class Simultaneous(Method):
     """Matching and tracking at once: tracks predicted in space are associated with the detections of all cameras.
 
-    No parameter is a distance in space: those follow from the cameras and the rate.
+    Distances in space follow from the cameras and the rate.
     """
 
     gate: float = parameter(
@@ -68,7 +68,8 @@ class Simultaneous(Method):
     learn_motion: bool = parameter(
         True,
         meaning="raise process_noise, velocity_sd and acceleration_sd to what the recording has, where that is more, "
-        "and lower them where tracks break that then do not, or below 33 Hz have more images",
+        "and lower them where tracks break that then do not, or below 33 Hz have more images; of markers nearer than "
+        "3 m to the cameras, parameters in mm that are not stated count in proportion to that distance",
     )
     learn_delays: bool = parameter(
         True, meaning="track again with the delays of cameras that the tracks show not to be synchronous"

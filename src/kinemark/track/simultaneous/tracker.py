@@ -122,6 +122,7 @@ class TrackingResult(NamedTuple):
         shifted: of cameras that lay beside by little, in stretches of `unfitting` or of `moved`, what was found.
         moved: stretches in which a camera that was knocked has its images where it would have had them before.
         resolution: px, below which two markers are one image that the file does not mark; 0 where none are merged.
+        scale: `room_scale`, by which the method's lengths counted.
     """
 
     tracks: Tracks
@@ -141,6 +142,7 @@ class TrackingResult(NamedTuple):
     shifted: tuple[Finding, ...] = ()
     moved: tuple[MovedCamera, ...] = ()
     resolution: float = 0.0
+    scale: float = 1.0
 
 
 def track_once(
@@ -153,7 +155,7 @@ def track_once(
 ) -> TrackingResult:
     """`track_simultaneously` with all cameras taken for synchronous, but for errors `timing` (D, 2) px of `Images`."""
     T = 1 / detections.rate
-    images, noise, working, method, first = _learned(detections, rig, method, errors, timing)
+    images, noise, working, method, scale, first = _learned(detections, rig, method, errors, timing)
     every, speaks, shared, cloud, ids = first
     del first  # its arrays end with the names that they have now
     return_memory()
@@ -189,23 +191,22 @@ def track_once(
     kept, number = np.unique(ids, return_inverse=True)
     final = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     tracks, times = Tracks(cloud, number), CameraTimes(*np.zeros((5, len(rig))))
-    return TrackingResult(
-        tracks, every, final, speaks, whole.stitches, images, noise, outside, times, rig, resolution=merging.resolution
-    )
+    result = TrackingResult(tracks, every, final, speaks, whole.stitches, images, noise, outside, times, rig)
+    return result._replace(resolution=merging.resolution, scale=scale)
 
 
 def _learned(
     detections: Detections, rig: Rig, method: Simultaneous, errors: ImageErrors, timing: Floats | None
-) -> tuple[Images, Noise, Working, Simultaneous, FirstPass]:
+) -> tuple[Images, Noise, Working, Simultaneous, float, FirstPass]:
     """The images by the rig as given and their noise; the rig, noise and motion that images and tracks tell, by which
-    the first pass was done, and its tracks."""
+    the first pass was done, the scale of the room, and the tracks."""
     images, noise = with_noise(with_merging_in_images(read_images(detections, rig, timing)), method)
     working, seen = _working(detections, rig, images, noise, method)
     images = _waiting(images, working, rig)
     moving = with_learned_motion(working.images, detections.rate, method, seen)
     del seen
     return_memory()
-    working, method, broke = working._replace(images=moving.images), moving.method, moving.broke
+    working, method, broke, scale = working._replace(images=moving.images), *moving[1:]
     del moving
     first = _first_pass(detections, images, working, method, errors)
     if not broke:  # tracks that break need the room they have
@@ -216,7 +217,7 @@ def _learned(
             del first  # before there are two in memory
             return_memory()
             first = _first_pass(detections, images, working, method, errors)
-    return _waiting(images, working, rig), noise, working, method, first
+    return _waiting(images, working, rig), noise, working, method, scale, first
 
 
 def _passes_over(

@@ -30,6 +30,7 @@ from ....data.finding import plain_value
 from ....numerics.returned_memory import return_memory
 from ....numerics.runs import equal_runs
 from ..following.passes import Associations
+from ..following.room_scale import scaled
 from ..ghosts.merging_in_images import merged_in_images
 from ..joining.possible_exchanges import possible_exchanges
 from ..joining.stitch import CLEAR_MARGIN
@@ -117,6 +118,7 @@ def track_with_decisions(
 
 def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
     """The decisions of a run that were close, by frame."""
+    method = scaled(method, result.scale)
     return_memory()
     detection = result.tracks.cloud.detection
     own = (detection >= 0) & ~result.images.merged[detection]

@@ -13,6 +13,7 @@ from ....data.array_types import Floats
 from ....data.finding import red_if
 from ....geometry.weighted_points import inside_volume
 from ....numerics.runs import equal_runs
+from ..following.room_scale import scaled
 from ..joining.continuations import continuations
 from ..simultaneous_method import Simultaneous
 from ..tracker import TrackingResult
@@ -33,6 +34,7 @@ def diagnose_points(
     result: TrackingResult, method: Simultaneous, volume_margin: float | None, volume: Floats | None = None
 ) -> list[Finding]:
     """About points outside the volume (2, 3) mm, of which `volume_margin` mm were allowed, uncertain and fragments."""
+    method = scaled(method, result.scale)
     found, cloud, outside = [], result.tracks.cloud, result.outside
     if len(outside) and volume_margin is not None:
         found.append(points_left_out(outside, len(cloud), volume_margin, volume))

@@ -46,6 +46,7 @@ from ..points.neighbouring_points import TrackPoints, rows_of
 from ..simultaneous_method import Simultaneous
 from .candidate_points import intersect
 from .passes import Associations, Run
+from .room_scale import room_scale, scaled
 
 WINDOWS, MIN_WINDOW, WINDOW = 4, 24, 0.24
 """Windows, frames of each at least, and s of each at least; chosen: they are gone through side by side, which takes the
@@ -112,11 +113,12 @@ NOISIER = 1.0
 
 class Learned(NamedTuple):
     """The images, noisier where that is so; the method with the motion of the recording; whether (7) changed either, as
-    tracks broke."""
+    tracks broke; the `room_scale` by which the method's lengths count."""
 
     images: Images
     method: Simultaneous
     broke: bool = False
+    scale: float = 1.0
 
 
 class _InWindows(NamedTuple):
@@ -127,7 +129,7 @@ class _InWindows(NamedTuple):
 
 
 def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen: Associations | None = None) -> Learned:
-    """The method with more process noise, velocity and acceleration, or less where tracks break.
+    """The method with more process noise, velocity and acceleration, or less where tracks break or the room is small.
 
     Args:
         seen: `in_windows` of these, where it is known.
@@ -135,6 +137,14 @@ def with_learned_motion(images: Images, rate: float, method: Simultaneous, seen:
     if not method.learn_motion:
         return Learned(images, method)
     seen = in_windows(images, rate, method) if seen is None else seen
+    if (scale := room_scale(images, seen)) < 1:
+        method = scaled(method, scale)
+        seen = in_windows(images, rate, method)
+    return _of_movement(images, rate, method, seen)._replace(scale=scale)
+
+
+def _of_movement(images: Images, rate: float, method: Simultaneous, seen: Associations) -> Learned:
+    """The method with what moves as tracks `seen` in windows do."""
     if _share(images, seen) < MOST:
         running = in_windows(images, rate, _raised(method, RUNNING))
         seen = running if count_images(running) > GAIN * count_images(seen) else seen  # (5)

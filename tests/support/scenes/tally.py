@@ -1,8 +1,8 @@
 """Tracks against the truth of a scene.
 
 A tracked point is a marker's that lies within NEAR of it, or within four of the standard deviations that the cameras
-allow which see the sample; each marker has one point, the nearest in all. Wanted are samples of which two cameras have an image of their
-own, where these leave no more than OPEN open.
+allow which see the sample; each marker has one point, the nearest in all. Wanted are samples of which two cameras have
+an image of their own, where these leave no more than OPEN open.
 """
 
 from typing import NamedTuple

@@ -13,7 +13,8 @@
               what is kept of them; takes hours
 
 Needs Python 3.11 or later and nothing else; all goes into `.venv` beside this file. The versions are those of
-`requirements.lock`; `KINEMARK_UNLOCKED=1` takes the newest that pyproject.toml allows.
+`requirements.lock`; `KINEMARK_UNLOCKED=1` takes the newest that pyproject.toml allows. `KINEMARK_EXTRAS=test,ui,docs`
+installs once what several tasks need, instead of what each needs.
 """
 
 from __future__ import annotations
@@ -165,7 +166,7 @@ def main() -> None:
     task, rest = (sys.argv[1] if len(sys.argv) > 1 else "help"), sys.argv[2:]
     if sys.version_info < (3, 11):  # noqa: UP036  whoever runs this may have an older one
         sys.exit(f"Kinemark needs Python 3.11 or later; this is {sys.version.split()[0]}.")
-    extras = EXTRAS.get(task, "test")
+    extras = os.environ.get("KINEMARK_EXTRAS") or EXTRAS.get(task, "test")
     commands = {
         "demo": lambda: run(PYTHON, "-m", "kinemark", "demo", *rest),
         "test": lambda: run(PYTHON, "-m", "pytest", *rest),

@@ -65,3 +65,14 @@ def test_building_the_studio_installs_what_it_is_served_with():
         [sys.executable, "-c", STUDIO.format(root=str(ROOT))], capture_output=True, text=True, check=True
     )
     assert set(done.stdout.strip().split(",")) == {"studio", "ui"}
+
+
+def test_what_several_tasks_need_is_installed_once():
+    code = (
+        f"import sys; sys.path.insert(0, {str(ROOT)!r}); import dev; dev.install = print; dev.run = lambda *_: None; "
+        "sys.argv = ['dev.py', 'docs']; dev.main()"
+    )
+    for said, extras in (("test,ui,docs", "test,ui,docs"), ("", "docs")):
+        environment = os.environ | {"KINEMARK_EXTRAS": said}
+        done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+        assert done.stdout.strip() == extras

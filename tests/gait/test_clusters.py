@@ -9,6 +9,7 @@ from kinemark.apps.cli import app
 from kinemark.data import KinemarkError
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.settings import GaitSettings
+from kinemark.engine.gait.trial_files import SubjectFiles
 from kinemark.gait import Physical, analyse_gait, clinical_angles, marker_points, with_static_offsets
 from kinemark.gait.clusters import SEGMENTS, calibrated_body, with_wands
 from kinemark.gait.standard_trial import standard_trial, with_landmarks
@@ -97,7 +98,7 @@ def test_files_of_a_laboratory_with_clusters_become_a_report_that_says_so(tmp_pa
     lab = laboratory(segments, unworn=("LASI", "RASI", "SACR", "LKNE", "LTHI"), seconds=1.4)
     walks, static = files(tmp_path, lab)
     result = gait_of_files(
-        walks, static=static, measures=MEASURES, clusters=clusters(segments), folder=tmp_path / "out",
+        SubjectFiles(walks, static=static, measures=MEASURES, clusters=clusters(segments)), folder=tmp_path / "out",
         settings=GaitSettings(smoothing="none", plate_mm=0),
     )  # fmt: skip
     said = next(f for f in result.figures["findings"] if f["kind"] == "gait_clusters")
@@ -117,10 +118,8 @@ def test_an_exchanged_pair_in_a_cluster_is_told(tmp_path):
         paths=tuple(replace(p, name=paths.get(p.name, p.name)) for p in lab.walk.trajectories.paths),
     )
     write_c3d(walks[0], replace(lab.walk, trajectories=moved))
-    result = gait_of_files(
-        walks, static=static, measures=MEASURES, clusters=wrong, folder=tmp_path / "out",
-        settings=GaitSettings(uncertainty=False),
-    )  # fmt: skip
+    files_of = SubjectFiles(walks, static=static, measures=MEASURES, clusters=wrong)
+    result = gait_of_files(files_of, folder=tmp_path / "out", settings=GaitSettings(uncertainty=False))
     loose = [f["values"]["segment"] for f in result.figures["findings"] if f["kind"] == "gait_cluster_loose"]
     assert loose == ["left thigh"]
 
@@ -137,7 +136,7 @@ def test_an_exchanged_pair_in_a_cluster_is_told(tmp_path):
 def test_a_cluster_that_cannot_be_is_refused_in_words(tmp_path, stated, says):
     walks, static = files(tmp_path, laboratory(unworn=()))
     with pytest.raises(KinemarkError, match=says):
-        gait_of_files(walks, static=static, measures=MEASURES, clusters=stated, folder=tmp_path / "out")
+        gait_of_files(SubjectFiles(walks, static=static, measures=MEASURES, clusters=stated), folder=tmp_path / "out")
 
 
 def test_a_walk_that_lacks_landmarks_of_segments_without_a_cluster_is_told_which(tmp_path):
@@ -147,7 +146,7 @@ def test_a_walk_that_lacks_landmarks_of_segments_without_a_cluster_is_told_which
     walks, static = files(tmp_path, replace(lab, walk=called(lab.walk, blind), static=called(lab.static, blind)))
     some = clusters(("pelvis", "left shank", "right thigh"))
     with pytest.raises(KinemarkError, match="Clusters are stated of pelvis, left shank, right thigh alone") as told:
-        gait_of_files(walks, static=static, measures=MEASURES, clusters=some, folder=tmp_path / "out")
+        gait_of_files(SubjectFiles(walks, static=static, measures=MEASURES, clusters=some), folder=tmp_path / "out")
     assert "(left thigh: LKNE; right shank: RANK; right foot: RHEE)" in str(told.value)
     assert '--cluster "left thigh=A,B,C"' in str(told.value)
 
@@ -155,10 +154,10 @@ def test_a_walk_that_lacks_landmarks_of_segments_without_a_cluster_is_told_which
 def test_clusters_want_a_standing_trial_and_are_not_plug_in_gaits(tmp_path):
     walks, static = files(tmp_path, laboratory(unworn=()))
     with pytest.raises(KinemarkError, match="standing trial"):
-        gait_of_files(walks, measures=MEASURES, clusters=clusters(), folder=tmp_path / "out")
+        gait_of_files(SubjectFiles(walks, measures=MEASURES, clusters=clusters()), folder=tmp_path / "out")
     with pytest.raises(KinemarkError, match="Plug-in Gait has no clusters"):
         gait_of_files(
-            walks, static=static, measures=MEASURES, clusters=clusters(), folder=tmp_path / "out",
+            SubjectFiles(walks, static=static, measures=MEASURES, clusters=clusters()), folder=tmp_path / "out",
             settings=GaitSettings(method="plug_in_gait", uncertainty=False),
         )  # fmt: skip
 

@@ -11,6 +11,7 @@ from kinemark.data import KinemarkError, Trial
 from kinemark.engine.gait.comparison import compare_gait
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.settings import GaitSettings
+from kinemark.engine.gait.trial_files import SubjectFiles
 from kinemark.gait.comparison import Condition, difference, stretches
 from kinemark.io.c3d import write_c3d
 from kinemark.synth import walking
@@ -67,7 +68,9 @@ def conditions(tmp_path_factory):
     for name, seed, speed in (("slow", 1, 900.0), ("again", 2, 900.0), ("fast", 3, 1500.0)):
         subject = walking(duration_s=5.0, rate=50.0, seed=seed, speed_mm_s=speed, wobble_mm=2.0)
         write_c3d(folder / f"{name}.c3d", Trial(name, subject.trajectories))
-        gait_of_files([folder / f"{name}.c3d"], folder=folder / name, settings=GaitSettings(uncertainty=False))
+        gait_of_files(
+            SubjectFiles([folder / f"{name}.c3d"]), folder=folder / name, settings=GaitSettings(uncertainty=False)
+        )
     return folder
 
 

@@ -11,6 +11,7 @@ from kinemark.data.model_markers import LEG_MARKERS
 from kinemark.data.subject_measures import LETTER
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.settings import GaitSettings
+from kinemark.engine.gait.trial_files import SubjectFiles
 from kinemark.gait import marker_points
 from kinemark.io.trial import write_trial
 from kinemark.report.gait_page import harmonics_table, key_values_table, time_distance_table
@@ -37,7 +38,10 @@ def gait(folder, lab, *sides, measures=MEASURES):
     write_trial(bare(lab.walk, *sides), walk)
     write_trial(bare(lab.static, *sides), static)
     return gait_of_files(
-        [walk], static=static, measures=measures, folder=folder / "gait", settings=SETTINGS, self_contained=False
+        SubjectFiles([walk], static=static, measures=measures),
+        folder=folder / "gait",
+        settings=SETTINGS,
+        self_contained=False,
     )
 
 
@@ -95,7 +99,9 @@ def test_a_standing_trial_without_a_leg_that_the_walk_has_is_refused(tmp_path, l
     """The ankle's angles were 9° off, and nothing said why."""
     refused = refusal(tmp_path, lab.walk, bare(lab.static, side))
     assert f"walk: The standing trial static never shows the {side} leg" in refused and OR_NONE in refused
-    assert gait_of_files([tmp_path / "walk.c3d"], measures=MEASURES, settings=SETTINGS).curves  # what it says is so
+    assert gait_of_files(
+        SubjectFiles([tmp_path / "walk.c3d"], measures=MEASURES), settings=SETTINGS
+    ).curves  # what it says is so
 
 
 OR_NONE = "Or leave the standing trial out"
@@ -106,7 +112,9 @@ def refusal(folder, walk, static, measures=MEASURES):
     write_trial(walk, folder / "walk.c3d")
     write_trial(static, folder / "static.c3d")
     with pytest.raises(KinemarkError) as refused:
-        gait_of_files([folder / "walk.c3d"], static=folder / "static.c3d", measures=measures, settings=SETTINGS)
+        gait_of_files(
+            SubjectFiles([folder / "walk.c3d"], static=folder / "static.c3d", measures=measures), settings=SETTINGS
+        )
     return str(refused.value)
 
 
@@ -151,7 +159,9 @@ def test_a_heel_that_a_walk_names_and_never_shows_comes_from_the_standing_trial(
     """The left side had no strides, and nothing said why."""
     write_trial(unseen(lab.walk, "LHEE"), tmp_path / "walk.c3d")
     write_trial(lab.static, tmp_path / "static.c3d")
-    found = gait_of_files([tmp_path / "walk.c3d"], static=tmp_path / "static.c3d", measures=MEASURES, settings=SETTINGS)
+    found = gait_of_files(
+        SubjectFiles([tmp_path / "walk.c3d"], static=tmp_path / "static.c3d", measures=MEASURES), settings=SETTINGS
+    )
     assert found.figures["time_distance"]["left"]["stride_time"]["strides"] > 0
     kinds = {one["kind"]: one for one in found.figures["findings"]}
     assert "LHEE" in kinds["gait_heels_from_static"]["text"] and "gait_markers_never_seen" not in kinds
@@ -160,6 +170,8 @@ def test_a_heel_that_a_walk_names_and_never_shows_comes_from_the_standing_trial(
 def test_a_toe_that_a_walk_names_and_never_shows_is_told(tmp_path, lab):
     write_trial(unseen(lab.walk, "LTOE"), tmp_path / "walk.c3d")
     write_trial(lab.static, tmp_path / "static.c3d")
-    found = gait_of_files([tmp_path / "walk.c3d"], static=tmp_path / "static.c3d", measures=MEASURES, settings=SETTINGS)
+    found = gait_of_files(
+        SubjectFiles([tmp_path / "walk.c3d"], static=tmp_path / "static.c3d", measures=MEASURES), settings=SETTINGS
+    )
     told = [one["text"] for one in found.figures["findings"] if one["kind"] == "gait_markers_never_seen"]
     assert len(told) == 1 and "LTOE is never seen" in told[0]

@@ -8,6 +8,7 @@ from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait.settings import GaitSettings
 from kinemark.engine.gait.walks import KnownMeasures, Recorded, subject_gait
 from kinemark.findings.gait import gait_figures
+from kinemark.findings.gait_records import MeasuredSubject
 from kinemark.gait.foot_events import foot_events
 from kinemark.gait.standard_trial import standard_trial
 from kinemark.gait.standing import stands, with_standing
@@ -51,7 +52,7 @@ def test_strides_in_which_the_subject_stands_are_left_out_and_told(for_s):
     points = halting(at=2.95, for_s=for_s)
     own = Recorded("walk", trial_of(points), standard_trial(trial_of(points)))
     found = subject_gait([own], KnownMeasures(BODY.measures), None, GaitSettings(uncertainty=False))
-    figures = gait_figures(found.trials, found.curves, {}, subject="", measures=BODY.measures, method={}, static=None)
+    figures = gait_figures(found.trials, found.curves, {}, subject=MeasuredSubject("", BODY.measures), method={})
     left_out = [one for one in found.trials[0].strides if not one.counts]
     halt = 2.95 * BODY.period
     assert len(left_out) >= 2 and all(one.first < halt + for_s and one.last > halt - 0.2 for one in left_out)

@@ -88,11 +88,11 @@ def test_what_placement_makes_of_them_is_as_large_as_is_said(worn):
     quiet = GaitErrors(placement_mm=sd, hip_mm=0, width_mm=0, tissue_mm=0, plate_mm=0, draws=0)
     said = gait_uncertainty(trial, believed, method=method, errors=quiet, static=static)["placement"]
     rng, found = np.random.default_rng(7), []
-    still = lab.body.standing(1)
+    still, limbs = lab.body.standing(1), lab.body.limbs(np.arange(25) / 100.0)
     for _ in range(150):
         moved, stood = dict(marker_points(trial)), dict(static)
         for name in static:
-            shift, limbs = sd * rng.normal(size=3), lab.body.limbs(np.arange(25) / 100.0)
+            shift = sd * rng.normal(size=3)
             if name[1:] in ("KD1", "KD2"):
                 continue  # the device turns by its first rod
             moved |= {name: moved[name] + _on(limbs, name) @ shift} if name in moved else {}

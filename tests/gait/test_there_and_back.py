@@ -12,6 +12,7 @@ from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait.settings import GaitSettings
 from kinemark.engine.gait.walks import KnownMeasures, Recorded, subject_gait
 from kinemark.findings.gait import gait_figures
+from kinemark.findings.gait_records import MeasuredSubject
 from kinemark.gait import StandardTrial, clinical_angles, lower_limbs
 from kinemark.gait.progression import way_walked
 from kinemark.gait.straight_passes import straight_passes
@@ -58,9 +59,7 @@ def analysed(name):
     trial = Trial("walk", Trajectories(paths, RATE))
     own = Recorded("walk", trial, StandardTrial(trial, np.eye(3), {}))
     found = subject_gait([own], KnownMeasures(MEASURES), None, GaitSettings(uncertainty=False))
-    return found, gait_figures(
-        found.trials, found.curves, {}, subject="", measures=MEASURES, method={}, static=None
-    )  # fmt: skip
+    return found, gait_figures(found.trials, found.curves, {}, subject=MeasuredSubject("", MEASURES), method={})
 
 
 @pytest.mark.parametrize("name", WALKS)

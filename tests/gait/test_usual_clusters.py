@@ -9,6 +9,7 @@ from kinemark.data import KinemarkError
 from kinemark.data.laboratory_axes import level_axes, turned
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.settings import GaitSettings
+from kinemark.engine.gait.trial_files import SubjectFiles
 from kinemark.gait.clusters import usual_clusters
 from kinemark.gait.marker_leaps import marker_leaps
 from kinemark.io.c3d import write_c3d
@@ -22,12 +23,14 @@ ISB = {"KNE": "FLE", "KNM": "FME", "ANK": "FAL", "MED": "TAM", "HEE": "FCC", "TO
        "SK2": "TTC", "TH2": "q", "TH3": "r", "TH4": "s", "SK3": "t", "SK4": "u"}  # fmt: skip
 
 
-def report(folder, lab, *, change=lambda trial: trial, **more):
+def report(folder, lab, *, change=lambda trial: trial, settings=QUICK, clusters=None):
     folder.mkdir()
     for trial in (lab.walk, lab.static):
         write_c3d(folder / f"{trial.name}.c3d", change(trial))
-    more = {"measures": MEASURES, "settings": QUICK, **more}
-    return gait_of_files([folder / "walk.c3d"], static=folder / "static.c3d", folder=folder / "out", **more)
+    given = SubjectFiles(
+        [folder / "walk.c3d"], static=folder / "static.c3d", measures=MEASURES, clusters=clusters or {}
+    )
+    return gait_of_files(given, folder=folder / "out", settings=settings)
 
 
 def off(lab, result, names=("HipAngles", "KneeAngles", "AnkleAngles")):

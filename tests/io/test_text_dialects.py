@@ -1,6 +1,7 @@
 """Tables in text, however programs and systems write them: encodings, endings, words for missing, marks."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -13,10 +14,12 @@ from kinemark.io.detections_csv import read_detections_csv
 from kinemark.io.dlt_csv import read_dlt_csv
 from kinemark.io.named_points_csv import read_named_detections
 from kinemark.io.number_text import separator
+from kinemark.io.stated_names_csv import read_stated_names
 from kinemark.io.track_names import read_track_names
 from kinemark.io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from kinemark.io.trc import write_trc
 from kinemark.io.trial import read_trial
+from kinemark.io.um2as import read_cp, read_msr
 from support.exported_csv import nexus
 
 QTM = "NO_OF_FRAMES\t2\nFREQUENCY\t100\nDATA_INCLUDED\t3D\nMARKER_NAMES\tA\tB\n1\t2\t3\t4\t5\t6\n1\t2\t3\t4\t5\t7\n"
@@ -73,6 +76,25 @@ def test_underscores_are_in_no_number(tmp_path):
         (tmp_path / name).write_text(text)
         with pytest.raises(KinemarkError, match="no number"):
             read(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "read"),
+    [
+        ("box.msr", "72.2\t4_0\t-6.4\n", read_msr),
+        ("box.cp2", "".join(f"{k}_0\n" for k in range(11)), read_cp),
+        ("names.csv", "trial,frame,x_mm,y_mm,z_mm,name\nwalk,2,1_0,2,3,LASI\n", read_stated_names),
+        ("names.csv", "trial,frame,x_mm,y_mm,z_mm,name\nwalk,2_0,1,2,3,LASI\n", read_stated_names),
+        ("a.trc", TRC.replace("100", "1_00", 1), read_trial),
+        ("a.tsv", QTM.replace("100", "1_00", 1), read_trial),
+    ],
+)
+def test_nor_in_tables_of_um2as_in_stated_names_or_in_headings(tmp_path, name, text, read):
+    (tmp_path / name).write_text(re.sub(r"(?<=\d)_(?=\d)", "", text))
+    read(tmp_path / name)
+    (tmp_path / name).write_text(text)
+    with pytest.raises(KinemarkError, match=r"\d_"):
+        read(tmp_path / name)
 
 
 @pytest.mark.parametrize("mark", [";", "\t"])

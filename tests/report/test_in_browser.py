@@ -10,6 +10,7 @@ import pytest
 from kinemark.data import Trial
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.settings import GaitSettings
+from kinemark.engine.gait.trial_files import SubjectFiles
 from kinemark.fill import Linear, fill
 from kinemark.findings.gaps import filling_figures
 from kinemark.io.c3d import write_c3d
@@ -79,7 +80,7 @@ TITLES = """[...document.querySelectorAll('#kinematics-drawing .annotation-text'
 def test_titles_of_panels_beside_each_other_stay_apart_where_the_page_is_narrow(tmp_path):
     subject = walking(duration_s=3.0, rate=100.0, seed=1)
     write_c3d(tmp_path / "walk.c3d", Trial("walk", subject.trajectories))
-    found = gait_of_files([tmp_path / "walk.c3d"], settings=GaitSettings(uncertainty=False))
+    found = gait_of_files(SubjectFiles([tmp_path / "walk.c3d"]), settings=GaitSettings(uncertainty=False))
     with opened(found.folder / "gait.html", width=400, height=768) as page:
         page.ask("document.getElementById('kinematics').scrollIntoView()")
         page.until(f"{TITLES}.length > 9")
@@ -107,7 +108,7 @@ def test_legends_stay_below_the_titles_of_axes_where_the_page_is_narrow(folder):
 def test_what_is_judged_first_of_a_gait_stands_on_the_first_page(tmp_path):
     subject = walking(duration_s=3.0, rate=100.0, seed=1)
     write_c3d(tmp_path / "walk.c3d", Trial("walk", subject.trajectories))
-    found = gait_of_files([tmp_path / "walk.c3d"], settings=GaitSettings(uncertainty=False))
+    found = gait_of_files(SubjectFiles([tmp_path / "walk.c3d"]), settings=GaitSettings(uncertainty=False))
     with opened(found.folder / "gait.html", width=703, height=1000) as page:
         page.send("Emulation.setEmulatedMedia", media="print")
         page_px = (297 - 12 - 15) / 25.4 * 96  # A4 less its margins

@@ -1,10 +1,12 @@
 """Captures for tests of the report: a walk that every camera sees, and its figures."""
 
+from dataclasses import fields
+
 import numpy as np
 
 from kinemark.data import Camera, Cloud, Detections, MarkerTrajectory, Rig, Step, Tracks, Trajectories
 from kinemark.geometry import project
-from kinemark.report import quality
+from kinemark.report import AboutTrial, TrialRecords, quality
 
 RATE = 50.0
 STEPS = (
@@ -56,8 +58,15 @@ def capture(rig, xyz, offset=None, sd=0.5, names=None):
     return {"detections": detections, "tracks": tracks, "trajectories": Trajectories(tuple(paths), RATE)}
 
 
+ABOUT = {field.name for field in fields(AboutTrial)}
+MEASURED = {field.name for field in fields(TrialRecords)}
+
+
 def judge(rig, records, **more):
-    return quality(**{"session": "S", "trial": "T", "steps": STEPS, "rig": rig, **records, **more})
+    """The figures; more: of the records, of what they are about, or of what is known besides."""
+    given = {"session": "S", "trial": "T", "steps": STEPS, "rig": rig, **records, **more}
+    about, measured = ({name: given.pop(name) for name in own & set(given)} for own in (ABOUT, MEASURED))
+    return quality(TrialRecords(**measured), about=AboutTrial(**about), **given)
 
 
 def empty_capture(rig, frames):

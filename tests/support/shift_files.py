@@ -16,7 +16,7 @@ from kinemark.findings.gaps import filling_figures
 from kinemark.io import c3d, um2as
 from kinemark.io.control_points import read_control_points
 from kinemark.io.rods_toml import read_rods
-from kinemark.report import quality, summary
+from kinemark.report import AboutTrial, TrialRecords, quality, summary
 from kinemark.report.figures import trajectories_figure
 from kinemark.report.scene3d import scene
 from kinemark.synth import rods_toml
@@ -210,15 +210,9 @@ def _(by):
 
 
 def figures(by):
-    return quality(
-        session="S",
-        trial="T",
-        rig=moved(rig(), by),
-        detections=observed().detections,
-        tracks=moved(tracks(), by),
-        trajectories=kinemark.to_trajectories(moved(tracks(), by), moved(rig(), by)),
-        steps=(),
-    )
+    trajectories = kinemark.to_trajectories(moved(tracks(), by), moved(rig(), by))
+    records = TrialRecords(moved(rig(), by), observed().detections, moved(tracks(), by), trajectories)
+    return quality(records, about=AboutTrial("S", "T"), steps=())
 
 
 @law(quality, summary, share=1e-5)

@@ -7,7 +7,6 @@ Files end in the number of their camera: box.cp1, box.rf1 and feeding.da1 are of
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -20,23 +19,15 @@ from ..data.array_types import Floats
 from ..data.errors import users_mistake
 from ..data.typed import typed
 from .terminal import Terminal, pointed, say
+from .um2as_options import CameraOptions, ImageOptions, Many, OtherCameras, ReferenceOptions
 
 if TYPE_CHECKING:  # these take long to import, and --help does without
-    from ..detect import Centroids
-    from ..digitise import DigitisedImages, ImageMarkers, OtherViews, SemiAutomatic
+    from ..digitise import DigitisedImages, SemiAutomatic
 
 
 um2as = App(name="um2as", help=__doc__)  # the menu of figures 3.3 to 3.20
 
-Threshold = Annotated[float, Parameter(help="Grey level above which a pixel is white, 0 to 255.")]
-Inverted = Annotated[bool, Parameter(negative="", help="Threshold type inverted: black markers on a white background.")]
-WhitePixels = Annotated[
-    bool,
-    Parameter(negative="", help="Centroids are the means of the white pixels, as those of UM²AS; no disc is fitted."),
-]
-Aspect = Annotated[float, Parameter(help="What V is multiplied by to make pixels square; see kinemark aspect.")]
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the figures for a machine.")]
-Many = Parameter(consume_multiple=True, negative="")
 WHITE = 253  # grey level of 8 bits of a marker in the picture; chosen
 
 
@@ -46,9 +37,7 @@ def snap(
     output: Path | None = None,
     *,
     frame: int = 1,
-    threshold: Threshold = 60.0,
-    inverted: Inverted = False,
-    white_pixels: WhitePixels = False,
+    look: Annotated[ImageOptions | None, Parameter(name="*")] = None,
 ) -> None:
     """Snap Image, Image Threshold: turn a frame into black and white, and list its markers.
 
@@ -58,10 +47,11 @@ def snap(
         images: the camera's video, or its images as 'cam1/%04d.png'.
         output: a PNG file for the black and white image.
         frame: which one, counted from 1.
+        look: how markers are found.
     """
     from ..io.images import write_png
 
-    found = _image_markers(images, frame, threshold, inverted, white_pixels)
+    found = (look or ImageOptions()).markers(images, frame)
     if output is not None:
         write_png(output, np.where(found.owner >= 0, WHITE, 0).astype(np.uint8))
     rows = [f"{k + 1:4d} {u:12.7f} {v:12.7f}" for k, (u, v) in enumerate(found.uv)]
@@ -75,10 +65,7 @@ def reference(
     *,
     at: str | None = None,
     frame: int = 1,
-    threshold: Threshold = 60.0,
-    inverted: Inverted = False,
-    white_pixels: WhitePixels = False,
-    aspect_ratio: Aspect = 1.0,
+    look: Annotated[CameraOptions | None, Parameter(name="*")] = None,
 ) -> None:
     """Reference Marker: digitise the marker that never moves, and keep its place.
 
@@ -89,12 +76,14 @@ def reference(
         output: the file, as box.rf1 for camera 1.
         at: any white pixel of the marker, as '115 443'; asked for where it is not given.
         frame: which one, counted from 1.
+        look: how markers are found.
     """
     from ..io.um2as import camera_number, write_rf
 
+    look = look or CameraOptions()
     camera_number(output, "rf")
-    uv = pointed(_image_markers(image, frame, threshold, inverted, white_pixels), "the reference marker", at)
-    uv = uv * _square(aspect_ratio)
+    uv = pointed(look.markers(image, frame), "the reference marker", at)
+    uv = uv * look.square()
     write_rf(output, uv)
     say(f"{output} is written: {uv[0]:.7f} {uv[1]:.7f}")
 
@@ -108,10 +97,7 @@ def calibrate(
     at: Annotated[list[str] | None, Many] = None,
     made: str | None = None,
     frame: int = 1,
-    threshold: Threshold = 60.0,
-    inverted: Inverted = False,
-    white_pixels: WhitePixels = False,
-    aspect_ratio: Aspect = 1.0,
+    look: Annotated[CameraOptions | None, Parameter(name="*")] = None,
 ) -> None:
     """Calibration Parameters: point at the control balls, and get the eleven parameters of the camera.
 
@@ -125,17 +111,17 @@ def calibrate(
         at: any white pixel of each ball, as '312 204' '118 96' …; asked for where they are not given.
         made: the date for camera 1's file, as 1992-11-27; today without it.
         frame: which one, counted from 1.
+        look: how markers are found.
     """
     from ..engine.um2as.flow import calibrate_file, table
     from ..io.um2as import camera_number
 
+    look = look or CameraOptions()
     camera = camera_number(output, "cp")
-    found = _image_markers(image, frame, threshold, inverted, white_pixels)
+    found = look.markers(image, frame)
     n = len(at) if at else len(table(measured)[1])
     uv = np.array([pointed(found, f"control ball {i + 1}", at[i] if at else None) for i in range(n)]).reshape(-1, 2)
-    _, residual = calibrate_file(
-        measured, output, uv * _square(aspect_ratio), made=_date(made) if camera == 1 else None
-    )
+    _, residual = calibrate_file(measured, output, uv * look.square(), made=_date(made) if camera == 1 else None)
     rms = float(np.sqrt((residual**2).sum(1).mean()))
     say(
         f"{output} is written. The balls are {rms:.2f} px off on average (RMS), at most "
@@ -149,21 +135,14 @@ def digitise_file(
     output: Path,
     *,
     markers: Annotated[list[str], Many],
-    reference: str | None = None,
-    reference_file: Path | None = None,
+    anchor: Annotated[ReferenceOptions | None, Parameter(name="*")] = None,
     last_frame: int | None = None,
     every: int = 1,
-    threshold: Threshold = 60.0,
-    inverted: Inverted = False,
-    white_pixels: WhitePixels = False,
+    look: Annotated[CameraOptions | None, Parameter(name="*")] = None,
     answers: Path | None = None,
     save_all: Annotated[bool, Parameter(negative="")] = False,
-    confirm_reference: Annotated[bool, Parameter(negative="")] = False,
-    calibration: Annotated[list[Path] | None, Many] = None,
-    others: Annotated[list[Path] | None, Many] = None,
-    take_proposals: Annotated[bool, Parameter(negative="")] = False,
+    proposing: Annotated[OtherCameras | None, Parameter(name="*")] = None,
     history: int = 2,
-    aspect_ratio: Aspect = 1.0,
     json: Json = False,
 ) -> None:
     """Motion Data Acquisition: digitise the markers of one camera, frame by frame.
@@ -181,28 +160,27 @@ def digitise_file(
         images: the camera's video, or its images as 'cam1/%04d.png'.
         output: the file for the saved frames, as feeding.da1 for camera 1.
         markers: how many there are in a frame, the reference marker included; or their names in order.
-        reference: which of them is the reference marker; none without it.
-        reference_file: where it was when the camera was calibrated, as box.rf1; the first frame says it without this.
+        anchor: the reference marker.
         last_frame: the last frame to be processed, counted among those that are taken.
         every: number of frames skipped: 1 takes every frame, 2 every other one.
+        look: how markers are found.
         answers: the file in which your answers are kept; beside the output without it.
         save_all: save frames of which all markers are settled without asking.
-        confirm_reference: ask in every frame whether the reference marker is the right one.
-        calibration: the parameters of all cameras, so that others can propose what is missing here.
-        others: what is digitised of other cameras, as feeding.da2 feeding.da3.
-        take_proposals: take what they propose, and do not ask.
+        proposing: what other cameras know.
         history: frames for which a hidden marker is remembered; 2 as in UM²AS, where it must be seen in both before.
     """
     from ..engine.digitising.files import DigitisedFrames, digitise_camera
     from ..io.images import open_images
-    from ..io.um2as import camera_number, read_rf, write_da
+    from ..io.um2as import camera_number, write_da
 
-    said = {"confirm_reference": confirm_reference, "take_proposals": take_proposals, "history": history}
-    method = _semi_automatic(markers, reference, **said)
-    square = _square(aspect_ratio)
-    camera = camera_number(output, "da")
-    detection = _centroids(threshold, inverted, white_pixels)
-    reel = DigitisedFrames(open_images(images, every=every), method=detection, last=last_frame)
+    anchor, look, proposing = anchor or ReferenceOptions(), look or CameraOptions(), proposing or OtherCameras()
+    method = _semi_automatic(
+        markers, anchor.reference, confirm_reference=anchor.confirm_reference,
+        take_proposals=proposing.take_proposals, history=history,
+    )  # fmt: skip
+    square, camera = look.square(), camera_number(output, "da")
+    reel = DigitisedFrames(open_images(images, every=every), method=look.centroids(), last=last_frame)
+    place = anchor.place()
     done = digitise_camera(
         reel,
         method=method,
@@ -210,8 +188,8 @@ def digitise_file(
         operator=Terminal(reel),
         refuse=lambda error: say(f"  {error}"),
         save_all=save_all,
-        constant=read_rf(reference_file) / square if reference_file and reference else None,
-        views=_views(camera, calibration or [], others or [], len(method.markers), square),
+        constant=None if place is None else place / square,
+        views=proposing.views(camera, len(method.markers), square),
     )
     write_da(output, done.uv * square)
     say(done.figures if json else _said(output, done, reel.n_frames))
@@ -315,56 +293,6 @@ def _semi_automatic(markers: list[str], reference: str | None, **options: Any) -
     names = [str(m + 1) for m in range(int(markers[0]))] if len(markers) == 1 and markers[0].isdecimal() else markers
     with users_mistake():
         return SemiAutomatic(tuple(names), reference, **options)
-
-
-def _square(aspect_ratio: float) -> Floats:
-    """(2,) what U and V of the images are multiplied by in the files."""
-    if not 0.1 < aspect_ratio < 10:
-        raise KinemarkError(f"{aspect_ratio:g} is no aspect ratio of pixels. Measure it: kinemark aspect")
-    return np.array([1.0, aspect_ratio])
-
-
-def _views(camera: int, calibration: list[Path], others: list[Path], markers: int, square: Floats) -> OtherViews | None:
-    """What other cameras know, where their files are given, in the pixels of the images."""
-    from ..digitise import OtherViews
-    from ..engine.calibration.from_known_points import rig_of_cp
-    from ..io.um2as import read_da_set
-
-    if not others:
-        return None
-    rig = rig_of_cp(calibration) if calibration else None
-    uv, numbers = read_da_set(others, markers=markers)
-    wanted = [f"cam{n}" for n in sorted({camera, *numbers})]
-    if rig is None or not set(wanted) <= set(rig.names):
-        raise KinemarkError(f"To ask other cameras, --calibration must name the .cp files of {', '.join(wanted)}.")
-    own = rig.select(wanted)
-    rig = replace(own, cameras=tuple(replace(one, K=np.diag([*(1 / square), 1.0]) @ one.K) for one in own))
-    uv = uv / square
-    whole = np.full((len(rig), *uv.shape[1:]), np.nan)
-    for own, n in zip(uv, numbers, strict=True):
-        whole[wanted.index(f"cam{n}")] = own
-    return OtherViews(rig, wanted.index(f"cam{camera}"), whole)
-
-
-def _image_markers(images: Path, frame: int, threshold: float, inverted: bool, white_pixels: bool) -> ImageMarkers:
-    from ..digitise import find_markers
-    from ..engine.sources import frame_of
-    from ..io.images import open_images
-
-    source = open_images(images)
-    if not 1 <= frame <= source.n_frames:
-        raise KinemarkError(f"{images} has no frame {frame}, but 1 to {source.n_frames}. Name another.")
-    return find_markers(frame_of(source, frame - 1), method=_centroids(threshold, inverted, white_pixels))
-
-
-def _centroids(threshold: float, inverted: bool, white_pixels: bool) -> Centroids:
-    from ..detect import Centroids
-
-    with users_mistake():
-        method = Centroids(threshold=threshold, inverted=inverted)
-    if not white_pixels:
-        return method
-    return replace(method, centroid="white", max_discs=1, correct_occlusion=False)
 
 
 def _date(text: str | None) -> date:

@@ -36,6 +36,7 @@ from ..fill import Filled, Rays, fill_recording
 from ..findings.cameras import AsGiven
 from ..findings.gaps import filling_figures
 from ..findings.quality import write_quality
+from ..findings.trial_records import AboutTrial, TrialRecords
 from ..io.c3d import on_frames, write_c3d
 from ..io.notes import UNREADABLE
 from ..io.records import save
@@ -201,14 +202,19 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     cameras = trial_rig(records)
     edited, beside = edits_of(inputs, records), recorded_beside(inputs.source, detections.rate)
     filled = cropped_fill(filled_of(inputs, records), edited)
-    figures = quality(
-        session=s.name,
-        trial=inputs.name,
+    measured = TrialRecords(
         rig=cameras.rig,
         detections=cameras.timed(detections),
-        given=AsGiven(inputs.rig, detections),
         tracks=tracks_of(records),
         trajectories=filled.trajectories,
+        ambiguous_decisions=unreviewed(tracked.ambiguous_decisions, edited),
+        track_names=records["label"].tracker_names if "label" in records else None,
+        given=AsGiven(inputs.rig, detections),
+    )
+    identity = identity_of_entry(of.root, s, of.entry, beside.about if beside else None)
+    figures = quality(
+        measured,
+        about=AboutTrial(s.name, inputs.name, of.first_frame, identity),
         steps=(*inputs.calibrated.steps, *inputs.store.steps),
         findings=(
             *inputs.source.contradictions(),
@@ -217,12 +223,8 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
             *_cameras(inputs, detections, cameras.rig, tracked),
             *_of_stages(inputs, records, detections, tracked),
         ),
-        ambiguous_decisions=unreviewed(tracked.ambiguous_decisions, edited),
-        first_frame=of.first_frame,
-        track_names=records["label"].tracker_names if "label" in records else None,
         judged=inputs.calibrated.figures,
         filling=_gap_figures(inputs, filled, cropped(edited.trajectories, edited)),
-        identity=identity_of_entry(of.root, s, of.entry, beside.about if beside else None),
     )
     if "edit" in records:
         figures["edits"] = records["edit"].figures

@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..data import Events, Finding, make_finding
+from ..data import Finding, make_finding
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves, GaitReference, KeyValue
-from ..data.strides import UNITS, FootEvent, Stride
-from ..data.subject_measures import SIDES, Side, SubjectMeasures
-from ..gait.emg import Emg
+from ..data.strides import UNITS, Stride
+from ..data.subject_measures import SIDES, SubjectMeasures
 from ..gait.gait_cycles import most_typical
-from ..gait.gait_trial import GaitTrial
 from ..gait.key_values import KEYS
-from ..gait.marker_doubts import MarkerDoubts
-from ..gait.marker_leaps import MarkerLeaps
-from ..gait.marker_spikes import MarkerSpikes
-from ..gait.plate_doubts import PlateDoubt
-from ..gait.static_axes import AxesShown
-from ..gait.static_checks import FeetTaken, StaticDoubt
-from ..gait.treadmill import STILL, Floor
 from ..gait.turning import ways
 from ..gait.way_of_walking import faced_aside
 from ..numerics.finite import finite_mean
@@ -40,8 +31,9 @@ from .gait_numbers import (
     uncertainty_by_cause,
     ways_walked,
 )
+from .gait_records import ClustersShown, GaitOfTrial, GivenFiles, MeasuredSubject, StandingShown, StaticAxes
 from .gait_strides import of_left_out, of_strides
-from .gait_subjects import BodyOfTrial, of_bodies, of_subjects
+from .gait_subjects import of_bodies, of_subjects
 from .plain import SCHEMA_VERSION, plain, quantile
 from .verdict import Verdict, verdict_of
 
@@ -56,131 +48,39 @@ TURN_DEG = 30.0
 """By which the pelvis faces another way than where it walks, deg; chosen: in straight walks it was below 20."""
 
 
-class GaitOfTrial(NamedTuple):
-    """One trial's results.
-
-    Attributes:
-        name: of the trial. gait: segments, loads, signals. events: feet's. strides: between them.
-        file_events: that the trial had; start_s: of its first frame on their clock. emg: by channel.
-        way: "level", "running", "stairs", "backward" or "to and fro". first_frame: its number in the recording.
-        floor: how it moves. keys: key values of its strides that count. leaps: of its markers.
-        names, plates: what of its names and its plates cannot be. bare: the side whose leg has no marker.
-        unseen: markers of the model, of other sides, that it names and no frame shows.
-        no_emg: why channels cannot be read as EMG, by name. spikes: samples of markers that were left out.
-    """
-
-    name: str
-    gait: GaitTrial
-    events: tuple[FootEvent, ...]
-    strides: tuple[Stride, ...]
-    file_events: Events
-    start_s: float
-    emg: Mapping[str, Emg]
-    way: str = "level"
-    first_frame: int = 1
-    floor: Floor = STILL
-    keys: tuple[KeyValue, ...] = ()
-    leaps: MarkerLeaps = MarkerLeaps()
-    names: MarkerDoubts = MarkerDoubts()
-    plates: tuple[PlateDoubt, ...] = ()
-    bare: Side | None = None
-    unseen: tuple[str, ...] = ()
-    no_emg: Mapping[str, str] = {}
-    spikes: MarkerSpikes = MarkerSpikes()
-
-    @property
-    def counted(self) -> tuple[Stride, ...]:
-        """Strides that count in means and curves."""
-        return tuple(one for one in self.strides if one.counts)
-
-
-class HipsShown(NamedTuple):
-    """Hips that a motion has shown.
-
-    Attributes:
-        trial: its name. way: "score" or "spheres". sd_mm: standard uncertainty along an axis, of both hips.
-        away_mm: of the farther hip from where the regression has it.
-    """
-
-    trial: str
-    way: str
-    sd_mm: float
-    away_mm: float
-
-
-class StaticAxes(NamedTuple):
-    """Axes of knees and ankles that a standing trial has shown.
-
-    Attributes:
-        trial: its name. way: "devices" or "markers". doubts: what of it contradicts itself.
-    """
-
-    trial: str
-    way: AxesShown
-    doubts: tuple[StaticDoubt, ...]
-
-
-class ClustersShown(NamedTuple):
-    """Segments that clusters have carried.
-
-    Attributes:
-        trial: that calibrated them. misfit_mm: by segment, RMS distance of a marker from where its cluster has it.
-        by_names: markers by segment of those that nobody stated.
-    """
-
-    trial: str
-    misfit_mm: Mapping[str, float]
-    by_names: Mapping[str, Sequence[str]] = {}
-
-
 def gait_figures(
     trials: Sequence[GaitOfTrial],
     curves: Sequence[GaitCurves],
     causes: Mapping[str, Mapping[str, Floats]],
     *,
-    subject: str,
-    measures: SubjectMeasures,
+    subject: MeasuredSubject,
     method: Mapping[str, Any],
-    static: str | None,
+    standing: StandingShown | None = None,
+    files: GivenFiles | None = None,
     reference: GaitReference | None = None,
-    estimated: Sequence[str] = (),
-    hips: HipsShown | None = None,
-    axes: StaticAxes | None = None,
-    clusters: ClustersShown | None = None,
-    heels: Sequence[str] = (),
-    renamed: Mapping[str, str] | None = None,
-    stated: Mapping[str, str] | None = None,
-    feet: FeetTaken | None = None,
-    files: Mapping[str, str] | None = None,
-    bodies: Sequence[BodyOfTrial] = (),
-    left_out: Sequence[Finding] = (),
     contractions: bool = False,
 ) -> dict[str, Any]:
     """Every figure of the page by name.
 
     Args:
         trials: results. curves: over all strides of all trials. causes: of the uncertainty, of the first trial.
-        subject: name. measures: with offsets of the feet. method: its name and parameters. static: name of that trial.
-        reference: band of controls. estimated: "legs" and "mass", where nobody measured them; "knees" and "ankles",
-            where markers do not show their widths either. hips: that a motion has shown. axes: that the static trial
-            has shown. clusters: that carried segments. heels: that were taken from the static trial.
-        renamed: the files' names by the model's, where they differ. stated: the subject that each file states, by its
-            name. files: of the trials, by their names. feet: how the static trial's own program took them, where it is
-            the other way. bodies: that the files show. left_out: what is told of walks that do not count.
-        contractions: whether the EMG is in % of a trial of greatest contractions.
+        subject: whose gait it is. method: its name and parameters. standing: what a standing trial has shown; None
+            where there is none. files: what they say; None where the walks are of no files.
+        reference: band of controls. contractions: whether the EMG is in % of a trial of greatest contractions.
     """
+    standing, files = standing or StandingShown(), files or GivenFiles()
     strides = [stride for trial in trials for stride in trial.counted]
     findings = [
-        *left_out,
-        *of_subjects(stated or {}),
-        *of_bodies(bodies),
-        *_of_files(measures, estimated, heels, renamed or {}),
-        *([] if hips is None else [make_finding("gait_hips_functional", **hips._asdict())]),
-        *([] if axes is None else _of_axes(axes)),
-        *([] if feet is None else [make_finding("gait_feet_otherwise", **feet._asdict())]),
-        *([] if clusters is None else _of_clusters(clusters)),
-        *of_strides({trial.name: trial.strides for trial in trials}, files or {}),
-        *_findings(trials, measures, static),
+        *files.left_out,
+        *of_subjects(files.subjects),
+        *of_bodies(files.bodies),
+        *_of_files(subject, standing.heels, files.renamed),
+        *([] if subject.hips is None else [make_finding("gait_hips_functional", **subject.hips._asdict())]),
+        *([] if standing.axes is None else _of_axes(standing.axes)),
+        *([] if standing.feet is None else [make_finding("gait_feet_otherwise", **standing.feet._asdict())]),
+        *([] if standing.clusters is None else _of_clusters(standing.clusters)),
+        *of_strides({trial.name: trial.strides for trial in trials}, files.paths),
+        *_findings(trials, subject.measures, standing.name),
         *of_contractions(curves if contractions else ()),
         *_of_gaps(curves, [key for trial in trials for key in trial.keys]),
     ]
@@ -188,11 +88,11 @@ def gait_figures(
     figures = {
         "kinemark": __version__,
         "schema_version": SCHEMA_VERSION,
-        "subject": subject,
+        "subject": subject.name,
         "trials": [_trial(one) for one in trials],
-        "static": static,
+        "static": standing.name,
         "method": method,
-        "measures": measures_of(measures),
+        "measures": measures_of(subject.measures),
         "time_distance": {side: averages_of(strides, side) for side in SIDES},
         "key_values": key_values([key for trial in trials for key in trial.keys]),
         "ways": ways_walked(strides),
@@ -242,14 +142,12 @@ def _trial(one: GaitOfTrial) -> dict[str, Any]:
     }
 
 
-def _of_files(
-    measures: SubjectMeasures, estimated: Sequence[str], heels: Sequence[str], renamed: Mapping[str, str]
-) -> Iterator[Finding]:
+def _of_files(subject: MeasuredSubject, heels: Sequence[str], renamed: Mapping[str, str]) -> Iterator[Finding]:
     """What of the files was not as the model wants it."""
-    if estimated:
-        mass = measures.mass_kg if "mass" in estimated else None
-        widths = ("markers", "both", "share")[len({"knees", "ankles"} & set(estimated))]
-        yield make_finding("gait_measures_estimated", leg_mm=measures.mean_leg_mm, mass_kg=mass, widths=widths)
+    if subject.estimated:
+        mass = subject.measures.mass_kg if "mass" in subject.estimated else None
+        widths = ("markers", "both", "share")[len({"knees", "ankles"} & set(subject.estimated))]
+        yield make_finding("gait_measures_estimated", leg_mm=subject.measures.mean_leg_mm, mass_kg=mass, widths=widths)
     if heels:
         yield make_finding("gait_heels_from_static", markers=heels)
     if renamed:

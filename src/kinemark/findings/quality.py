@@ -16,57 +16,40 @@ from ..io.files import replacing
 from ..track.simultaneous import AmbiguousDecision
 from ..track.simultaneous.rig.camera_strobes import without_strobes
 from ..version import __version__
-from .cameras import AsGiven, camera_figures, residuals
+from .cameras import camera_figures, residuals
 from .left_over import left_over, shown_at_once
 from .markers import completeness_known, frames_in_view, marker_figures, positions, trajectory_figures
 from .off_course import off_course_share
 from .plain import SCHEMA_VERSION, mean, plain, quantile, rms, share
 from .room import room_at
 from .trial_findings import trial_findings
+from .trial_records import AboutTrial, TrialRecords
 from .trial_verdict import trial_verdict
 
 
 def quality(
+    records: TrialRecords,
     *,
-    session: str,
-    trial: str,
-    rig: Rig,
-    detections: Detections,
-    tracks: Tracks,
-    trajectories: Trajectories,
+    about: AboutTrial,
     steps: Sequence[Step],
-    ambiguous_decisions: Sequence[AmbiguousDecision] = (),
     findings: Sequence[Finding] = (),
     judged: Mapping[str, Any] | None = None,
     filling: Mapping[str, Any] | None = None,
-    identity: Mapping[str, str] | None = None,
-    track_names: Sequence[str] | None = None,
-    first_frame: int | None = None,
-    given: AsGiven | None = None,
 ) -> dict[str, Any]:
     """All figures of one trial as JSON-able data, units in the names of the keys, None where unknown.
 
     Args:
-        session: its name; trial: its name.
-        rig: the cameras that the trial was reconstructed with; it must know those of `detections`.
-        detections: what the cameras saw, at the times of the frames; rows of `tracks.cloud.detection` count in it.
-        tracks: all reconstructed points.
-        trajectories: the markers as they leave the last stage.
-        steps: how the trial was made.
-        ambiguous_decisions: decisions of the tracker that were close.
+        records: what was measured. about: which recording it is. steps: how the trial was made.
         findings: what the stages found themselves, as what the tracking says of its input; frames as numbers in the
             recording.
         judged: how good the calibration is, from `calibration.calibration_figures`; None where nobody judged it.
         filling: what became of the gaps, from `filling.filling_figures`; None where none was to be filled.
-        track_names: what the tracks of `ambiguous_decisions` became, empty for no marker; `*1`, `*2`, … where None.
-        first_frame: number in the recording of the first frame of `detections`; that of the trajectories where None.
-        given: the cameras as they were calibrated and the detections as they were taken; None where `rig` is that.
-        identity: the plain data of an `Identity`; None where nobody says whose recording it is.
 
     Raises:
         ValueError: a camera of the detections is not in the rig, or the points were not made from these detections.
     """
-    cloud, rig_used = tracks.cloud, rig.select(detections.cameras)
+    rig, detections, tracks, trajectories = records.rig, records.detections, records.tracks, records.trajectories
+    cloud, rig_used, given = tracks.cloud, rig.select(detections.cameras), records.given
     _check(cloud, detections)
     if any(one.kind == "strobes_seen" for one in findings):  # by which nothing was left over
         detections = without_strobes(detections, rig_used)
@@ -78,10 +61,12 @@ def quality(
         {
             "kinemark": __version__,
             "schema_version": SCHEMA_VERSION,
-            "session": session,
-            "trial": trial,
-            "identity": dict(identity or asdict(Identity())),
-            "recording": _recording(detections, trajectories.first_frame if first_frame is None else first_frame),
+            "session": about.session,
+            "trial": about.trial,
+            "identity": dict(about.identity or asdict(Identity())),
+            "recording": _recording(
+                detections, trajectories.first_frame if about.first_frame is None else about.first_frame
+            ),
             "calibration": {
                 "method": rig.method,
                 "cameras_not_used": [n for n in rig.names if n not in rig_used.names],
@@ -95,7 +80,9 @@ def quality(
             "trajectories": _trajectories(trajectories, detections, cameras),
             "timing": _timing(steps, detections.n_frames),
             "steps": [_step(step) for step in steps],
-            "ambiguous_decisions": [_decision(row, detections.rate, track_names) for row in ambiguous_decisions],
+            "ambiguous_decisions": [
+                _decision(row, detections.rate, records.track_names) for row in records.ambiguous_decisions
+            ],
             "filling": filling,
         }
     )

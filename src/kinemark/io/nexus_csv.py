@@ -25,7 +25,7 @@ from ..data import Analog, Events, KinemarkError, MarkerTrajectory, Trajectories
 from ..data.array_types import Floats
 from .c3d.points import distinct
 from .cut_off import ends_its_line, without_cut_row
-from .number_text import bad_line, first_frame, numbers
+from .number_text import bad_line, first_frame, numbers, wanted_number
 from .text_rows import csv_rows
 from .units import USUAL_UNITS, mm_per
 
@@ -137,7 +137,7 @@ def _table(path: Path | str, block: Block, *, ends: bool, partial: bool) -> tupl
 def _positive(text: str) -> float | None:
     """A finite number above 0; None if it is none."""
     try:
-        number = float(text.replace(",", "."))
+        number = wanted_number(text.replace(",", "."))
     except ValueError:
         return None
     return number if 0 < number < np.inf else None
@@ -197,7 +197,7 @@ def _events(path: Path | str, block: Block) -> Events:
     side, label, time = (columns.index(name) for name in EVENT_COLUMNS)
     rows = [(line, cells) for line, cells in block.rows[heads[0] + 1 :] if len(cells) > max(side, label, time)]
     try:
-        times = [float(cells[time].replace(",", ".")) for _, cells in rows]
+        times = [wanted_number(cells[time].replace(",", ".")) for _, cells in rows]
     except ValueError as error:
         raise bad_line(path, rows[0][0], f"among the times of events: {error}") from error
     return Events(

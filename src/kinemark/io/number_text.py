@@ -126,18 +126,26 @@ def number(cell: str) -> float:
     """The number in a cell; NaN where it is empty or says that there is none.
 
     Raises:
-        ValueError: it is none. Python's own 1_000 is none either: in a file it is a name, or damaged.
+        ValueError: it is none.
     """
     try:
-        value = float(cell)
+        return wanted_number(cell)
     except ValueError:
         text = cell.strip()
         if not text or MISSING.fullmatch(text):
             return np.nan
         raise
+
+
+def wanted_number(cell: str) -> float:
+    """The number in a cell that must have one.
+
+    Raises:
+        ValueError: it has none. Python's own 1_000 is none either: in a file it is a name, or damaged.
+    """
     if "_" in cell:
         raise ValueError(f"could not convert string to float: {cell!r}")
-    return value
+    return float(cell)
 
 
 def whole(path: Path | str, lines: Sequence[int], values: Floats, name: str) -> Ints:

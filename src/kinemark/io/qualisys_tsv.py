@@ -27,7 +27,7 @@ from ..data import Events, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from ..data.array_types import Floats
 from .c3d.points import distinct
 from .cut_off import AGAIN, ends_its_line, without_cut_row
-from .number_text import MISSING, bad_line, first_frame, numbers, read_text
+from .number_text import MISSING, bad_line, first_frame, numbers, read_text, wanted_number
 from .text_rows import TextRows
 from .units import USUAL_UNITS, mm_per
 
@@ -115,7 +115,7 @@ def _lines(path: Path | str) -> Lines:
 
 def _is_number(text: str) -> bool:
     try:
-        float(text.replace(",", "."))
+        wanted_number(text.replace(",", "."))
     except ValueError:
         return MISSING.fullmatch(text) is not None
     return True
@@ -152,7 +152,7 @@ def _rate(path: Path | str, found: Lines, said: float | None) -> float:
     """Frames a second, as said, else as the file states."""
     text = (found.values.get("FREQUENCY") or [""])[0].strip()
     try:
-        rate = float(text.replace(",", ".")) if said is None else said
+        rate = wanted_number(text.replace(",", ".")) if said is None else said
     except ValueError:
         rate = math.nan
     if not 0 < rate < math.inf:

@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 import scipy
-import tomlkit
 
 from ..data import Camera, KinemarkError, Rig
 from ..data.array_types import Floats
 from .files import write_text
 from .number_text import read_text
+from .toml_tables import tables_text
 from .toml_text import toml_table
 from .units import CALLERS, USUAL_UNITS, mm_per
 
@@ -152,7 +152,7 @@ def write_rig_toml(path: Path | str, rig: Rig, *, metadata: Mapping[str, Any] | 
     about = {"units": "mm", "method": rig.method, "residuals_px": residuals, **(metadata or {})}
     document = {f"cam_{c}": shared(camera) for c, camera in enumerate(rig)} | {"metadata": about}
     document["kinemark"] = {"volume_mm": rig.volume} | {f"cam_{c}": own(camera) for c, camera in enumerate(rig)}
-    write_text(path, tomlkit.dumps(plain(document)))
+    write_text(path, tables_text(plain(document)))
 
 
 def shared(camera: Camera) -> dict[str, Any]:

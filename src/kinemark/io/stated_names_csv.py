@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..data import KinemarkError
+from .number_text import wanted_number
 from .text_rows import csv_rows
 
 HEAD = ("trial", "frame", "x_mm", "y_mm", "z_mm", "name")
@@ -45,8 +46,9 @@ def _stated(path: Path, line: int, row: list[str]) -> StatedName:
     cells = [cell.strip() for cell in row]
     try:
         trial, frame, x, y, z, name = cells
-        found = StatedName(trial, int(frame), (float(x), float(y), float(z)), name)
-        if found.frame < 1 or not all(map(math.isfinite, found.place)):
+        place = (wanted_number(x), wanted_number(y), wanted_number(z))
+        found = StatedName(trial, int(frame), place, name)
+        if "_" in frame or found.frame < 1 or not all(map(math.isfinite, place)):
             raise ValueError
     except ValueError:
         raise KinemarkError(

@@ -21,7 +21,7 @@ from ..data import MarkerTrajectory as MarkerPath
 from .c3d.points import distinct
 from .cut_off import AGAIN
 from .files import replacing
-from .number_text import bad_line, first_frame, plain, read_text, row_text
+from .number_text import bad_line, first_frame, plain, read_text, row_text, wanted_number
 from .trc_table import HEADINGS, ORIGINAL, TrcTable, parse_trc
 from .units import USUAL_UNITS, mm_per
 
@@ -132,7 +132,7 @@ def _number(path: Path | str, found: TrcTable, name: str) -> float:
     """A value of the heading; NaN where it is absent."""
     text = found.values.get(name, "")
     try:
-        return float(text.replace(",", ".")) if text else math.nan
+        return wanted_number(text.replace(",", ".")) if text else math.nan
     except ValueError as error:
         raise bad_line(path, found.heading, f"{name} is {text!r}, wanted a number. Correct that line.") from error
 

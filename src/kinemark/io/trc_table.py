@@ -19,7 +19,7 @@ import numpy as np
 from ..data import KinemarkError
 from ..data.array_types import Floats
 from .cut_off import without_cut_row
-from .number_text import bad_line, numbers
+from .number_text import bad_line, numbers, wanted_number
 from .text_rows import Line, TextRows
 from .units import mm_per
 
@@ -113,7 +113,7 @@ def separator(lines: Sequence[tuple[int, str]]) -> Callable[[str], list[str]]:
 
 def _is_number(text: str) -> bool:
     try:
-        float(text.replace(",", "."))
+        wanted_number(text.replace(",", "."))
     except ValueError:
         return False
     return True

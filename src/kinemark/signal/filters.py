@@ -48,12 +48,32 @@ def butterworth(y: Floats, *, rate: float, cutoff_hz: float, order: int = 2) -> 
     Raises:
         ValueError: the cut-off is not between 0 and half the rate, or there are too few samples.
     """
-    from scipy.signal import sosfiltfilt  # a second to import, which no other command should wait for
+    return _both_ways(_extended(y, order), rate=rate, cutoff_hz=cutoff_hz, order=order)
 
-    sections = _sections(cutoff_hz, rate, order)
-    if len(y) <= edge_samples(order):
-        raise ValueError(f"{len(y)} samples, wanted more than {edge_samples(order)} for order {order}")
-    return sosfiltfilt(sections, y, axis=0, padlen=edge_samples(order))
+
+def _extended(y: Floats, order: int) -> Floats:
+    """y (F, k) with `edge_samples` turned about its first and its last, before and behind.
+
+    Raises:
+        ValueError: there are too few samples.
+    """
+    n = edge_samples(order)
+    if len(y) <= n:
+        raise ValueError(f"{len(y)} samples, wanted more than {n} for order {order}")
+    return np.concatenate([2 * y[:1] - y[n:0:-1], y, 2 * y[-1:] - y[-2 : -(n + 2) : -1]])
+
+
+def _both_ways(extended: Floats, *, rate: float, cutoff_hz: float, order: int) -> Floats:
+    """(F, k) filtered forwards and backwards, of samples that were extended; as `scipy.signal.sosfiltfilt` does it,
+    which extends them and computes the state of rest for every cut-off anew."""
+    from scipy.signal import sosfilt  # a second to import, which no other command should wait for
+
+    sections, rest = _sections(cutoff_hz, rate, order)
+    state = rest.reshape(*rest.shape, *(1,) * (extended.ndim - 1))
+    forwards, _ = sosfilt(sections, extended, axis=0, zi=state * extended[:1])
+    backwards, _ = sosfilt(sections, forwards[::-1], axis=0, zi=state * forwards[-1:])
+    n = edge_samples(order)
+    return np.asarray(backwards[::-1][n:-n])
 
 
 def moving_average(y: Floats, samples: int) -> Floats:
@@ -84,12 +104,13 @@ def edge_samples(order: int) -> int:
 
 
 @lru_cache(maxsize=8 * CUTOFFS)
-def _sections(cutoff_hz: float, rate: float, order: int) -> Floats:
-    """Of one pass, second-order; residual analysis asks for the same ones for every marker, and designs take longer
-    than filtering."""
-    from scipy.signal import butter
+def _sections(cutoff_hz: float, rate: float, order: int) -> tuple[Floats, Floats]:
+    """Of one pass, (S, 6) of second order, and their states (S, 2) at rest at 1; residual analysis asks for the same
+    ones for every marker, and designs take longer than filtering."""
+    from scipy.signal import butter, sosfilt_zi
 
-    return np.asarray(butter(order, _each_pass(cutoff_hz, rate, order), fs=rate, output="sos"))
+    sections = np.asarray(butter(order, _each_pass(cutoff_hz, rate, order), fs=rate, output="sos"))
+    return sections, np.asarray(sosfilt_zi(sections))
 
 
 @lru_cache(maxsize=16)
@@ -137,8 +158,8 @@ def residual_analysis(y: Floats, *, rate: float, order: int = 2) -> tuple[float,
         raise ValueError(f"{len(y)} samples, wanted 30 or more for residual analysis")
     from scipy.optimize import nnls
 
-    cutoffs = _cutoffs(rate)
-    r2 = np.array([np.mean((butterworth(y, rate=rate, cutoff_hz=f, order=order) - y) ** 2) for f in cutoffs])
+    cutoffs, extended = _cutoffs(rate), _extended(y, order)
+    r2 = np.array([np.mean((_both_ways(extended, rate=rate, cutoff_hz=f, order=order) - y) ** 2) for f in cutoffs])
     noise = _taken_of_noise(rate, order)
     upper = cutoffs > cutoffs[-1] / 2
     sigma2 = float(nnls(noise[upper], r2[upper])[0].sum())  # (3), (5)

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
@@ -219,18 +220,20 @@ class WalkingBody:
         swing = turned(np.stack([-dorsiflexion, 0 * dorsiflexion, 0 * dorsiflexion], -1), "yxz")
         back = np.einsum("...ij,...j->...i", shank.R @ swing, neutral)
         bare = upright(shank.origin - back, back, shank.R[..., 1])
-        return Leg(hip, thigh, shank, at_knee, Segment(bare.R @ self._offsets(side), bare.origin), bare)  # (5)
+        return Leg(hip, thigh, shank, at_knee, Segment(bare.R @ _offsets(side), bare.origin), bare)  # (5)
 
-    def _offsets(self, side: Side) -> Floats:
-        """(3, 3) from the line of ankle and toe to the sole's line, by the two angles that the model keeps."""
-        s = TO_THE_LEFT[side]
-        neutral = np.array([-TOE_MM[0], -s * TOE_MM[1], ANKLE_MM])
-        out = np.radians(TOE_OUT_DEG)
-        sole = np.array([-np.cos(out), -s * np.sin(out), 0.0])
-        y = np.array([0.0, 1.0, 0.0])
-        bare, stood = (upright(np.zeros(3), z, y).R for z in (neutral, sole))
-        deg = principal(relative(bare, stood), FOOT_SEQUENCE) * (1, 1, 0)
-        return turned(deg, FOOT_SEQUENCE)
+
+@cache
+def _offsets(side: Side) -> Floats:
+    """(3, 3) from the line of ankle and toe to the sole's line, by the two angles that the model keeps; of any body."""
+    s = TO_THE_LEFT[side]
+    neutral = np.array([-TOE_MM[0], -s * TOE_MM[1], ANKLE_MM])
+    out = np.radians(TOE_OUT_DEG)
+    sole = np.array([-np.cos(out), -s * np.sin(out), 0.0])
+    y = np.array([0.0, 1.0, 0.0])
+    bare, stood = (upright(np.zeros(3), z, y).R for z in (neutral, sole))
+    deg = principal(relative(bare, stood), FOOT_SEQUENCE) * (1, 1, 0)
+    return turned(deg, FOOT_SEQUENCE)
 
 
 def _leg_angles(cycles: Floats) -> Floats:

@@ -124,8 +124,7 @@ def gait_laboratory(
     static = Trial("static", _trajectories(still, rate, noise_mm, rng))
     swung = body.markers(body.swinging(np.arange(round(SWINGS_S * rate)) / rate))
     functional = Trial("functional", _trajectories(swung, rate, noise_mm, rng))
-    loads = {LETTER[side] + joint: load for side in SIDES
-             for joint, load in joint_truth(body, time, side, parts).items()}  # fmt: skip
+    loads = joint_truth(body, time, parts)
     signals = signals_of(clinical_angles(limbs), loads, ground, mass, rate=rate)
     return GaitLaboratory(body, walk, static, functional, limbs, signals, _events(body, duration_s), on)
 
@@ -145,25 +144,51 @@ def ground_reactions(body: WalkingBody, time: Floats) -> dict[Side, GroundContac
     return found
 
 
-def joint_truth(
-    body: WalkingBody, time: Floats, side: Side, inertia: Mapping[str, SegmentInertia]
-) -> dict[str, JointLoad]:
-    """Ankle, knee and hip by (1) and (2) at times (F) s."""
+def joint_truth(body: WalkingBody, time: Floats, inertia: Mapping[str, SegmentInertia]) -> dict[str, JointLoad]:
+    """Ankles, knees and hips by (1) and (2) at times (F) s, as "LAnkle"."""
+    limbs, ground = remembered(body.limbs), ground_reactions(body, time)
     mass = float(body.measures.mass_kg or np.nan)
-    leg, ground = body.limbs(time).leg(side), ground_reactions(body, time)[side]
+    return {
+        LETTER[side] + joint: load
+        for side in SIDES
+        for joint, load in _loads(limbs, time, side, ground[side], inertia, mass).items()
+    }
+
+
+LimbsAt = Callable[[Floats], LowerLimbs]
+
+
+def remembered(limbs: LimbsAt) -> LimbsAt:
+    """The same, but of times that were asked for before without computing them again: derivatives share theirs."""
+    known: dict[bytes, LowerLimbs] = {}
+
+    def at(time: Floats) -> LowerLimbs:
+        key = time.tobytes()
+        if key not in known:
+            known[key] = limbs(time)
+        return known[key]
+
+    return at
+
+
+def _loads(
+    limbs: LimbsAt, time: Floats, side: Side, ground: GroundContact, inertia: Mapping[str, SegmentInertia], mass: float
+) -> dict[str, JointLoad]:
+    """Ankle, knee and hip of a side."""
+    leg = limbs(time).leg(side)
     chain = (("Ankle", "foot", leg.ankle), ("Knee", "shank", leg.knee), ("Hip", "thigh", leg.hip))
     below: list[tuple[Floats, Floats, Floats]] = []
     found: dict[str, JointLoad] = {}
     for joint, part, p in chain:
-        centre, m = _centre(body, side, part, inertia), inertia[part].mass * mass
+        centre, m = _centre(limbs, side, part, inertia), inertia[part].mass * mass
         push = m * (_second(centre, time) / 1000.0 + [0.0, 0.0, GRAVITY])
-        below.append((centre(time), push, _first(_momentum(body, side, part, inertia[part], m), time)))
+        below.append((centre(time), push, _first(_momentum(limbs, side, part, inertia[part], m), time)))
         F, M = -ground.force, -ground.free_moment - np.cross(_metres(ground.centre, p), ground.force)
         for c, own, change in below:
             F = F + own  # (1)
             M = M + change + np.cross((c - p) / 1000.0, own)
-        omega = _spin(_segment(body, side, part), time) - _spin(_above(body, side, joint), time)
-        found[joint] = JointLoad(F, M, (M * omega).sum(-1), _segment(body, side, part)(time))
+        omega = _spin(_segment(limbs, side, part), time) - _spin(_above(limbs, side, joint), time)
+        found[joint] = JointLoad(F, M, (M * omega).sum(-1), _segment(limbs, side, part)(time))
     return found
 
 
@@ -183,13 +208,11 @@ def _along(turn: Floats) -> Floats:
     return np.clip(np.mod(turn, 1.0) / OFF, 0.0, 1.0)
 
 
-def _centre(
-    body: WalkingBody, side: Side, name: str, inertia: Mapping[str, SegmentInertia]
-) -> Callable[[Floats], Floats]:
+def _centre(limbs: LimbsAt, side: Side, name: str, inertia: Mapping[str, SegmentInertia]) -> Callable[[Floats], Floats]:
     """(F, 3) mm of a segment's centre of mass, as a function of time."""
 
     def at(time: Floats) -> Floats:
-        proximal, distal = _ends(body.limbs(time).leg(side), name)
+        proximal, distal = _ends(limbs(time).leg(side), name)
         return np.asarray(proximal + inertia[name].centre * (distal - proximal))
 
     return at
@@ -205,29 +228,27 @@ def _ends(leg: Leg, name: str) -> tuple[Floats, Floats]:
     return ends[name]
 
 
-def _segment(body: WalkingBody, side: Side, name: str) -> Callable[[Floats], Segment]:
+def _segment(limbs: LimbsAt, side: Side, name: str) -> Callable[[Floats], Segment]:
     def at(time: Floats) -> Segment:
-        found: Segment = getattr(body.limbs(time).leg(side), name)
+        found: Segment = getattr(limbs(time).leg(side), name)
         return found
 
     return at
 
 
-def _above(body: WalkingBody, side: Side, joint: str) -> Callable[[Floats], Segment]:
+def _above(limbs: LimbsAt, side: Side, joint: str) -> Callable[[Floats], Segment]:
     """The segment above a joint, as a function of time."""
     if joint == "Hip":
-        return lambda time: body.limbs(time).pelvis
-    return _segment(body, side, "shank" if joint == "Ankle" else "thigh")
+        return lambda time: limbs(time).pelvis
+    return _segment(limbs, side, "shank" if joint == "Ankle" else "thigh")
 
 
-def _momentum(
-    body: WalkingBody, side: Side, name: str, share: SegmentInertia, mass: float
-) -> Callable[[Floats], Floats]:
+def _momentum(limbs: LimbsAt, side: Side, name: str, share: SegmentInertia, mass: float) -> Callable[[Floats], Floats]:
     """(F, 3) N·m·s about the centre of mass, as a function of time."""
 
     def at(time: Floats) -> Floats:
-        segment = _segment(body, side, name)
-        R, (a, b) = segment(time).R, _ends(body.limbs(time).leg(side), name)
+        segment = _segment(limbs, side, name)
+        R, (a, b) = segment(time).R, _ends(limbs(time).leg(side), name)
         length = np.linalg.norm(a - b, axis=-1)[:, None] / 1000.0
         local = np.einsum("fji,fj->fi", R, _spin(segment, time))
         return np.einsum("fij,fj->fi", R, mass * (np.array(share.radius) * length) ** 2 * local)

@@ -9,6 +9,7 @@ from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait.emg import emg_of, greatest_contractions, left_out_of
 from kinemark.findings.gait import gait_figures
 from kinemark.findings.gait_muscles import of_contractions
+from kinemark.findings.gait_records import MeasuredSubject
 from kinemark.gait.gait_cycles import emg_curves
 
 MUSCLES = ("Voltage.L Rect", "R_soleus", "Electric Potential.1", "EMG7", "L Pectoralis", "Voltage.MX left")
@@ -89,7 +90,7 @@ def test_without_a_trial_of_contractions_none_is_doubted():
     """A leap before the first stride is then 100 %, and the strides are far below it."""
     steps = [Stride("left", k, k + 1.0, {"foot_off": 60.0}, {}) for k in (1, 2)]
     curves = emg_curves(emg_of(bursting("mV", 1.0, leap=1e4)), steps)
+    subject = MeasuredSubject("", BODY)
     for contractions in (False, True):
-        found = gait_figures((), curves, {}, subject="", measures=BODY, method={}, static=None,
-                             contractions=contractions)["findings"]  # fmt: skip
-        assert ("emg_scale_doubtful" in {one["kind"] for one in found}) == contractions
+        figures = gait_figures((), curves, {}, subject=subject, method={}, contractions=contractions)
+        assert ("emg_scale_doubtful" in {one["kind"] for one in figures["findings"]}) == contractions

@@ -10,6 +10,7 @@ from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait.doubts import worn_points
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.settings import GaitSettings
+from kinemark.engine.gait.trial_files import SubjectFiles
 from kinemark.gait import marker_points, standard_trial
 from kinemark.gait.same_body import APART_MM, UNLIKE_MM, body_change, steps_mm
 from kinemark.io.c3d import write_c3d
@@ -41,7 +42,7 @@ def said(tmp_path, change):
     static = tmp_path / "stood.c3d"
     write_c3d(static, change(read_trial(shared_data(CHILD + "01.c3d"))))
     walk = shared_data(CHILD + "05.c3d")
-    found = gait_of_files([walk], static=static, settings=QUICK, folder=tmp_path / "out")
+    found = gait_of_files(SubjectFiles([walk], static=static), settings=QUICK, folder=tmp_path / "out")
     return {(f["kind"], f["severity"]): f for f in found.figures["findings"] if f["kind"] in KINDS}
 
 
@@ -75,7 +76,9 @@ def test_a_functional_trial_is_held_to_the_same_body(tmp_path):
     walk, static, swings = (tmp_path / f"{name}.c3d" for name in trials)
     for name, trial in trials.items():
         write_c3d(tmp_path / f"{name}.c3d", trial)
-    found = gait_of_files([walk], static=static, functional=swings, settings=SURE, folder=tmp_path / "out")
+    found = gait_of_files(
+        SubjectFiles([walk], static=static, functional=swings), settings=SURE, folder=tmp_path / "out"
+    )
     told = [f["values"] for f in found.figures["findings"] if f["kind"] in KINDS]
     assert [one["trial"] for one in told] == ["swings"]
 

@@ -16,7 +16,7 @@ from kinemark.engine.gait.comparison import compare_gait
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.reference import read_band, reference_of_files
 from kinemark.engine.gait.settings import GaitSettings
-from kinemark.engine.gait.trial_files import one_of_each, trial_names
+from kinemark.engine.gait.trial_files import SubjectFiles, one_of_each, trial_names
 from kinemark.gait.gait_trial import REACTION_AXES
 from kinemark.io.c3d import write_c3d
 from kinemark.io.gait_reference import read_reference, write_reference
@@ -53,14 +53,14 @@ def walk(tmp_path):
 
 
 def test_angles_with_gaps_are_told_and_filling_is_named(walk):
-    whole = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    whole = gait_of_files(SubjectFiles([walk / "walk.c3d"], measures=walk / "anna.toml"), settings=QUICK)
     trial = read_trial(walk / "walk.c3d")
     knee = trial.trajectories["RKNE"]
     xyz = knee.xyz.copy()
     xyz[200:230] = np.nan  # a part of one stride
     paths = tuple(MarkerTrajectory.measured("RKNE", xyz) if p.name == "RKNE" else p for p in trial.trajectories)
     write_c3d(walk / "gappy.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
-    gappy = gait_of_files([walk / "gappy.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    gappy = gait_of_files(SubjectFiles([walk / "gappy.c3d"], measures=walk / "anna.toml"), settings=QUICK)
     kinds = [[f for f in one.figures["findings"] if f["kind"] == "gait_angles_with_gaps"] for one in (whole, gappy)]
     assert not kinds[0] and len(kinds[1]) == 1
     values = kinds[1][0]["values"]
@@ -79,7 +79,7 @@ def test_a_missing_sample_that_costs_key_values_is_told(walk):
     xyz[215] = np.nan
     paths = tuple(MarkerTrajectory.measured("RKNE", xyz) if p.name == "RKNE" else p for p in trial.trajectories)
     write_c3d(walk / "gappy.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
-    found = gait_of_files([walk / "gappy.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    found = gait_of_files(SubjectFiles([walk / "gappy.c3d"], measures=walk / "anna.toml"), settings=QUICK)
     told = [f["values"] for f in found.figures["findings"] if f["kind"] == "gait_key_values_with_gaps"]
     assert [one["side"] for one in told] == ["right"] and told[0]["missing"] > 3
     assert told[0]["curves_list"] == ["ankle", "foot progression", "hip", "knee"]
@@ -104,7 +104,7 @@ def test_walks_that_cannot_be_used_are_told_and_keep_nobody_from_the_others(walk
     trial = read_trial(walk / "walk.c3d")
     few = tuple(p for p in trial.trajectories if p.name != "LKNE")
     write_c3d(walk / "b_few.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=few)))
-    alone = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK).figures
+    alone = gait_of_files(SubjectFiles([walk / "walk.c3d"], measures=walk / "anna.toml"), settings=QUICK).figures
     with pytest.raises(SystemExit) as ended:
         app(["gait", str(walk), "--measures", str(walk / "anna.toml"), "--no-uncertainty", "-o", str(walk / "all")])
     said = capsys.readouterr().err
@@ -114,7 +114,7 @@ def test_walks_that_cannot_be_used_are_told_and_keep_nobody_from_the_others(walk
     left_out = [f["values"]["trial"] for f in figures["findings"] if f["kind"] == "gait_walk_left_out"]
     assert left_out == ["a_broken", "b_few"] and "So b_few was left out." in (walk / "all/gait.html").read_text()
     with pytest.raises(KinemarkError, match="a_broken"):
-        gait_of_files([walk / "a_broken.c3d", walk / "b_few.c3d"], settings=QUICK)
+        gait_of_files(SubjectFiles([walk / "a_broken.c3d", walk / "b_few.c3d"]), settings=QUICK)
 
 
 def test_names_that_were_taken_for_the_models_are_told_where_one_is_missing(walk):
@@ -125,15 +125,17 @@ def test_names_that_were_taken_for_the_models_are_told_where_one_is_missing(walk
     with pytest.raises(
         KinemarkError, match=r"LTIB, RTIB.* Taken for the model's were LASI = Ann:LFWT, RASI = Ann:RFWT"
     ):
-        gait_of_files([walk / "other.c3d"], measures=walk / "anna.toml", settings=QUICK)
+        gait_of_files(SubjectFiles([walk / "other.c3d"], measures=walk / "anna.toml"), settings=QUICK)
     stated = {"LTIB": "LSHN", "RTIB": "Ann:RSHN"}  # with the subject's name, or without it
-    found = gait_of_files([walk / "other.c3d"], measures=walk / "anna.toml", markers=stated, settings=QUICK)
+    found = gait_of_files(
+        SubjectFiles([walk / "other.c3d"], measures=walk / "anna.toml", markers=stated), settings=QUICK
+    )
     told = next(f for f in found.figures["findings"] if f["kind"] == "gait_markers_renamed")
     assert "LTIB = Ann:LSHN" in told["values"]["names_list"]
 
 
 def test_a_walk_gives_page_tables_figures_and_a_file(walk):
-    found = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    found = gait_of_files(SubjectFiles([walk / "walk.c3d"], measures=walk / "anna.toml"), settings=QUICK)
     assert found.folder == walk / "walk_gait"
     figures = json.loads((found.folder / "gait.json").read_text())
     speed = figures["time_distance"]["left"]["speed"]["mean"]
@@ -163,7 +165,9 @@ def moved(trial, mm):
 def test_each_value_of_a_stride_says_of_which_walk_it_is(walk):
     """What a statistician needs: rows by trial, side and stride, whose means are those of the page."""
     write_c3d(walk / "second.c3d", moved(read_trial(walk / "walk.c3d"), 150.0))
-    found = gait_of_files([walk / "walk.c3d", walk / "second.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    found = gait_of_files(
+        SubjectFiles([walk / "walk.c3d", walk / "second.c3d"], measures=walk / "anna.toml"), settings=QUICK
+    )
     tables = {}
     for name in ("key_values", "time_distance"):
         with (found.folder / f"{name}.csv").open() as file:
@@ -186,7 +190,7 @@ def test_files_of_two_people_are_told(walk, subjects, told):
     for name, subject in zip(("one", "standing"), subjects, strict=True):
         write_c3d(walk / f"{name}.c3d", replace(trial, about={**trial.about, "subject": subject}))
     files = {"static": walk / "standing.c3d", "measures": walk / "anna.toml"}
-    found = gait_of_files([walk / "one.c3d"], settings=QUICK, folder=walk / "out", **files)
+    found = gait_of_files(SubjectFiles([walk / "one.c3d"], **files), settings=QUICK, folder=walk / "out")
     said = [f["text"] for f in found.figures["findings"] if f["kind"] == "gait_subjects_differ"]
     assert bool(said) == told and all("Anna (one), Ben (standing)" in text for text in said)
 
@@ -200,7 +204,7 @@ def test_a_marker_that_leaps_is_told(walk):
     told = [
         [
             f
-            for f in gait_of_files([walk / name], settings=QUICK).figures["findings"]
+            for f in gait_of_files(SubjectFiles([walk / name]), settings=QUICK).figures["findings"]
             if f["kind"] == "gait_markers_leap"
         ]
         for name in ("walk.c3d", "leaps.c3d")
@@ -214,7 +218,7 @@ def test_a_spike_is_left_out_and_told(walk):
     xyz[150:152] += [0, 60.0, 0]
     paths = tuple(MarkerTrajectory.measured("RKNE", xyz) if p.name == "RKNE" else p for p in trial.trajectories)
     write_c3d(walk / "spike.c3d", replace(trial, trajectories=replace(trial.trajectories, paths=paths)))
-    clean, found = (gait_of_files([walk / name], settings=QUICK) for name in ("walk.c3d", "spike.c3d"))
+    clean, found = (gait_of_files(SubjectFiles([walk / name]), settings=QUICK) for name in ("walk.c3d", "spike.c3d"))
     (told,) = (f for f in found.figures["findings"] if f["kind"] == "gait_spikes_left_out")
     assert (told["markers"], told["frames"], told["values"]["samples"]) == (["RKNE"], [[151, 152]], 2)
     assert told["text"].startswith("spike: 2 samples of marker RKNE are off the path by up to 60\xa0mm for a moment (")
@@ -226,7 +230,7 @@ def test_a_spike_is_left_out_and_told(walk):
 
 def test_error_bars_are_on_every_curve(walk):
     found = gait_of_files(
-        [walk / "walk.c3d"], static=walk / "walk.c3d", measures=walk / "anna.toml", folder=walk / "out"
+        SubjectFiles([walk / "walk.c3d"], static=walk / "walk.c3d", measures=walk / "anna.toml"), folder=walk / "out"
     )
     knee = next(c for c in found.curves if c.name == "LKneeAngles")
     assert (knee.measurement_sd[:, 0] > 0.5).all()
@@ -243,14 +247,18 @@ def test_a_motion_shows_the_hips(tmp_path):
     files = {name: tmp_path / f"{name}.c3d" for name in ("static", "functional")}
     how = GaitSettings(smoothing="none", tissue_mm=0.5, uncertainty=False)
     measures = replace(body.measures)
-    found = gait_of_files([tmp_path / "walk.c3d"], measures=measures, folder=tmp_path / "out", settings=how, **files)
+    found = gait_of_files(
+        SubjectFiles([tmp_path / "walk.c3d"], measures=measures, **files), folder=tmp_path / "out", settings=how
+    )
     hip = found.trials[0].gait.limbs.left.hip
     assert np.abs(hip - lab.limbs.left.hip).max() < 0.1  # C3D holds single precision
     told = next(f for f in found.figures["findings"] if f["kind"] == "gait_hips_functional")
     assert told["values"]["away_mm"] == pytest.approx(np.linalg.norm(off["right"]), abs=1.0)
     assert "functional, from functional" in (tmp_path / "out" / "gait.html").read_text()
     with pytest.raises(KinemarkError, match=r"static: The left hip"):
-        gait_of_files([tmp_path / "walk.c3d"], measures=measures, functional=files["static"], settings=how)
+        gait_of_files(
+            SubjectFiles([tmp_path / "walk.c3d"], measures=measures, functional=files["static"]), settings=how
+        )
 
 
 def test_devices_on_the_knees_show_their_axes(tmp_path):
@@ -262,7 +270,7 @@ def test_devices_on_the_knees_show_their_axes(tmp_path):
         write_c3d(tmp_path / f"{name}.c3d", getattr(lab, name))
     files = {"static": tmp_path / "static.c3d", "measures": SubjectMeasures(leg, leg, mass_kg=70.0)}
     how = GaitSettings(smoothing="none", uncertainty=False)
-    found = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "out", settings=how, **files)
+    found = gait_of_files(SubjectFiles([tmp_path / "walk.c3d"], **files), folder=tmp_path / "out", settings=how)
     true, ours = (signals["LKneeAngles"].values for signals in (lab.signals, found.trials[0].gait.signals))
     np.testing.assert_allclose(ours, true, atol=0.01)  # C3D holds single precision
     assert found.figures["measures"]["left"]["torsion_deg"] == pytest.approx(21.0, abs=0.01)
@@ -270,23 +278,29 @@ def test_devices_on_the_knees_show_their_axes(tmp_path):
     assert told["gait_axes_from_static"] == {"trial": "static", "way": "devices"} and "gait_axes_doubtful" not in told
     assert "tibial torsion" in (tmp_path / "out" / "gait.html").read_text()
     thin = {**files, "measures": SubjectMeasures(replace(leg, ankle_mm=45.0), leg, mass_kg=70.0)}
-    doubted = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "thin", settings=how, **thin).figures
+    doubted = gait_of_files(
+        SubjectFiles([tmp_path / "walk.c3d"], **thin), folder=tmp_path / "thin", settings=how
+    ).figures
     doubt = next(f for f in doubted["findings"] if f["kind"] == "gait_axes_doubtful")
     assert doubt["values"]["by_mm"] == pytest.approx(27.0, abs=0.1) and "left ankle" in doubt["text"]
     wide = {**files, "measures": SubjectMeasures(replace(leg, ankle_mm=99.0), leg, mass_kg=70.0)}
-    doubted = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "wide", settings=how, **wide).figures
+    doubted = gait_of_files(
+        SubjectFiles([tmp_path / "walk.c3d"], **wide), folder=tmp_path / "wide", settings=how
+    ).figures
     text = next(f["text"] for f in doubted["findings"] if f["kind"] == "gait_axes_doubtful")
     assert "27\u00a0mm nearer to each other than the ankle is wide" in text
     how = replace(how, axes=False)
-    plain = gait_of_files([tmp_path / "walk.c3d"], folder=tmp_path / "plain", settings=how, **files)
+    plain = gait_of_files(SubjectFiles([tmp_path / "walk.c3d"], **files), folder=tmp_path / "plain", settings=how)
     assert plain.figures["measures"]["left"]["torsion_deg"] == 0
 
 
 def test_several_walks_count_together(walk):
     write_c3d(walk / "second.c3d", moved(read_trial(walk / "walk.c3d"), 150.0))
     both = [walk / "walk.c3d", walk / "second.c3d", walk / "walk.c3d"]  # a file that is given twice counts once
-    two = gait_of_files(both, measures=walk / "anna.toml", folder=walk / "two", settings=QUICK)
-    one = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", folder=walk / "one", settings=QUICK)
+    two = gait_of_files(SubjectFiles(both, measures=walk / "anna.toml"), folder=walk / "two", settings=QUICK)
+    one = gait_of_files(
+        SubjectFiles([walk / "walk.c3d"], measures=walk / "anna.toml"), folder=walk / "one", settings=QUICK
+    )
     assert len(two.curves[0].values) == 2 * len(one.curves[0].values)
 
 
@@ -294,12 +308,14 @@ def test_controls_become_a_band_that_others_are_scored_against(walk):
     for seed in (2, 3):
         subject = walking(duration_s=4.0, rate=100.0, seed=seed)
         write_c3d(walk / f"c{seed}.c3d", Trial("walk", subject.trajectories))
-        gait_of_files([walk / f"c{seed}.c3d"], measures=walk / "anna.toml", folder=walk / f"c{seed}", settings=QUICK)
+        gait_of_files(
+            SubjectFiles([walk / f"c{seed}.c3d"], measures=walk / "anna.toml"), folder=walk / f"c{seed}", settings=QUICK
+        )
     controls = [walk / f"c{seed}" / "gait.json" for seed in (2, 3)]
     band = reference_of_files(controls, output=walk / "band.json", source="two of ours")
     assert band.subjects == 2 and band.mean["KneeAngles"].shape == (101, 3)
     found = gait_of_files(
-        [walk / "walk.c3d"], measures=walk / "anna.toml", reference=walk / "band.json", settings=QUICK
+        SubjectFiles([walk / "walk.c3d"], measures=walk / "anna.toml", reference=walk / "band.json"), settings=QUICK
     )
     assert 0 < found.figures["profile"]["left"]["score"] < 5  # deg; the simulated walkers differ by their noise alone
     page = (found.folder / "gait.html").read_text()
@@ -327,8 +343,9 @@ def test_controls_become_a_band_that_others_are_scored_against(walk):
 
 def test_exports_have_y_up_and_unknown_ones_are_refused(walk):
     given = read_trial(walk / "walk.c3d").trajectories
-    options = {"measures": walk / "anna.toml", "folder": walk / "out", "settings": QUICK}
-    gait_of_files([walk / "walk.c3d"], exports="trc, mot,sto,gcd", **options)
+    files = SubjectFiles([walk / "walk.c3d"], measures=walk / "anna.toml")
+    options = {"folder": walk / "out", "settings": QUICK}
+    gait_of_files(files, **options, exports="trc, mot,sto,gcd")
     back = read_trial(walk / "out" / "walk.trc").trajectories
     x, y, z = np.moveaxis(given["LKNE"].xyz, -1, 0)
     np.testing.assert_allclose(back["LKNE"].xyz, np.stack([x, z, -y], -1), atol=1e-3)
@@ -336,17 +353,17 @@ def test_exports_have_y_up_and_unknown_ones_are_refused(walk):
     assert "!LeftKneeFlexExt" in (walk / "out" / "gait.gcd").read_text()
     assert not (walk / "out" / "walk_reaction.mot").exists()  # there are no plates
     with pytest.raises(KinemarkError, match="no export 'xlsx'"):
-        gait_of_files([walk / "walk.c3d"], exports="xlsx", **options)
+        gait_of_files(files, **options, exports="xlsx")
 
 
 def test_events_of_the_file_that_nobody_sees_are_absent_and_not_late(walk):
     paths = read_trial(walk / "walk.c3d").trajectories
-    found = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    found = gait_of_files(SubjectFiles([walk / "walk.c3d"], measures=walk / "anna.toml"), settings=QUICK)
     first = next(e for e in found.trials[0].events if e.side == "left" and e.strike)
     between = [first.time + 0.02, first.time + 0.08, first.time + 0.55]  # s; near, off, and in the middle of a stride
     told = Events(("Foot Strike",) * 3, ("Left",) * 3, np.array(between))
     write_c3d(walk / "told.c3d", Trial("told", paths, events=told))
-    figures = gait_of_files([walk / "told.c3d"], measures=walk / "anna.toml", settings=QUICK).figures
+    figures = gait_of_files(SubjectFiles([walk / "told.c3d"], measures=walk / "anna.toml"), settings=QUICK).figures
     by_kind = {f["kind"]: f["values"] for f in figures["findings"]}
     assert by_kind["file_events_not_found"]["events"] == 1
     assert by_kind["file_events_differ"]["events"] == 1 and by_kind["file_events_differ"]["most_ms"] < 100
@@ -360,7 +377,12 @@ def test_who_turns_is_told(walk):
     turned = replace(paths, paths=tuple(replace(p, xyz=np.einsum("fij,fj->fi", turn, p.xyz)) for p in paths))
     write_c3d(walk / "turn.c3d", Trial("turn", turned))
     told = [
-        {f["kind"] for f in gait_of_files([walk / f], measures=walk / "anna.toml", settings=QUICK).figures["findings"]}
+        {
+            f["kind"]
+            for f in gait_of_files(SubjectFiles([walk / f], measures=walk / "anna.toml"), settings=QUICK).figures[
+                "findings"
+            ]
+        }
         for f in ("walk.c3d", "turn.c3d")
     ]
     assert not told[0] & {"gait_turns", "gait_turns_left_out"} and "gait_turns_left_out" in told[1]
@@ -368,12 +390,12 @@ def test_who_turns_is_told(walk):
 
 def test_without_walks_it_is_said_what_to_give():
     with pytest.raises(KinemarkError, match="one or more"):
-        gait_of_files([])
+        gait_of_files(SubjectFiles([]))
 
 
 def test_nothing_that_was_given_is_changed(walk):
     before = (walk / "walk.c3d").read_bytes()
-    gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    gait_of_files(SubjectFiles([walk / "walk.c3d"], measures=walk / "anna.toml"), settings=QUICK)
     assert (walk / "walk.c3d").read_bytes() == before
 
 
@@ -386,7 +408,9 @@ def test_no_result_overwrites_a_file_that_was_given(tmp_path, given, exports):
         (tmp_path / name).write_bytes(b"a recording")
     into = (tmp_path / given[-1]).parent
     with pytest.raises(KinemarkError, match=r"would overwrite .*Give them a folder without recordings: -o"):
-        gait_of_files([tmp_path / name for name in given], folder=into / ".." / into.name, exports=exports)
+        gait_of_files(
+            SubjectFiles([tmp_path / name for name in given]), folder=into / ".." / into.name, exports=exports
+        )
     assert all((tmp_path / name).read_bytes() == b"a recording" for name in given)
     assert sorted(p.name for p in into.iterdir()) == sorted(Path(name).name for name in given)
 
@@ -398,10 +422,9 @@ def test_trials_of_one_name_keep_their_rows_files_and_subjects(walk):
         (walk / folder).mkdir()
         own = replace(moved(trial, 150.0 * k), about={**trial.about, "subject": subject})
         write_c3d(walk / folder / "w.c3d", own)
-    found = gait_of_files(
-        [walk / "a" / "w.c3d", walk / "b" / "w.c3d"], static=walk / "s" / "w.c3d", measures=walk / "anna.toml",
-        folder=walk / "out", settings=QUICK,
-    )  # fmt: skip
+    walks = [walk / "a" / "w.c3d", walk / "b" / "w.c3d"]
+    files = SubjectFiles(walks, static=walk / "s" / "w.c3d", measures=walk / "anna.toml")
+    found = gait_of_files(files, folder=walk / "out", settings=QUICK)
     for name in ("key_values", "time_distance"):
         with (walk / "out" / f"{name}.csv").open() as file:
             assert {row["trial"] for row in csv.DictReader(file)} == {"a_w", "b_w"}
@@ -426,7 +449,7 @@ def test_a_recording_in_two_formats_counts_once_where_a_folder_was_named(tmp_pat
     assert [path.name for path in left_out] == ["w.tdf", "w.trc", "x.c3d"]
     assert one_of_each(there, there) == (tuple(there), ())  # who names both wants both
     with pytest.raises(KinemarkError, match=r"would overwrite .*w\.trc"):
-        gait_of_files(kept[1:2], left_out=left_out, folder=tmp_path, exports="trc")
+        gait_of_files(SubjectFiles(kept[1:2], left_out=left_out), folder=tmp_path, exports="trc")
 
 
 def test_a_trial_without_strides_leaves_the_result_of_the_others(tmp_path):
@@ -436,7 +459,7 @@ def test_a_trial_without_strides_leaves_the_result_of_the_others(tmp_path):
         write_c3d(tmp_path / f"{name}.c3d", getattr(lab, name))
     walks = [tmp_path / "static.c3d", tmp_path / "walk.c3d"]
     twice = tmp_path / "walk.trc"
-    found = gait_of_files(walks, left_out=[twice], folder=tmp_path / "out", settings=QUICK)
+    found = gait_of_files(SubjectFiles(walks, left_out=[twice]), folder=tmp_path / "out", settings=QUICK)
     assert [file_note_text(note) for note in found.notes if str(twice) in note.names]
     told = next(f for f in found.figures["findings"] if f["kind"] == "gait_without_strides")
     assert told["severity"] == "amber" and f'--static "{walks[0]}"' in told["advice"]
@@ -445,10 +468,8 @@ def test_a_trial_without_strides_leaves_the_result_of_the_others(tmp_path):
 
 
 def test_a_foot_beside_the_plates_has_no_moments(tmp_path):
-    found = gait_of_files(
-        [shared_data(f"mocap3d/{ADULT}Motion3_FF.c3d")], static=shared_data(f"mocap3d/{ADULT}Calibration3_FF.c3d"),
-        folder=tmp_path, settings=QUICK,
-    )  # fmt: skip
+    walk, static = (shared_data(f"mocap3d/{ADULT}{name}3_FF.c3d") for name in ("Motion", "Calibration"))
+    found = gait_of_files(SubjectFiles([walk], static=static), folder=tmp_path, settings=QUICK)
     right = next(c for c in found.curves if c.name == "RAnkleMoment")
     stance = right.values[:, 20:50, 0]
     whole = np.isfinite(stance).all(1)
@@ -471,7 +492,7 @@ def test_feet_that_the_file_took_the_other_way_are_told(flat, tmp_path):
     """The whole body's static trial was processed without a flat foot."""
     walk, static = (shared_data(f"mocap3d/pig_wholebody/{name}_trial.c3d") for name in ("Movement", "Static"))
     settings = replace(QUICK, flat_foot=flat)
-    found = gait_of_files([walk], static=static, settings=settings, folder=tmp_path).figures["findings"]
+    found = gait_of_files(SubjectFiles([walk], static=static), settings=settings, folder=tmp_path).figures["findings"]
     told = [f for f in found if f["kind"] == "gait_feet_otherwise"]
     assert len(told) == flat
     if flat:
@@ -481,7 +502,7 @@ def test_feet_that_the_file_took_the_other_way_are_told(flat, tmp_path):
 def test_the_trunk_has_its_place_on_the_page_and_is_printed_with_moments_and_powers(tmp_path):
     """A row of three panels is not left alone on a printed page."""
     walk, static = (shared_data(f"mocap3d/pig_wholebody/{name}_trial.c3d") for name in ("Movement", "Static"))
-    gait_of_files([walk], static=static, settings=QUICK, folder=tmp_path)
+    gait_of_files(SubjectFiles([walk], static=static), settings=QUICK, folder=tmp_path)
     page = (tmp_path / "gait.html").read_text()
     places = [page.index(f'<section id="{name}">') for name in ("kinematics", "trunk", "kinetics")]
     assert places == sorted(places) and '<a href="#trunk">' in page
@@ -492,7 +513,7 @@ def test_one_stride_that_ends_with_the_recording_has_no_speed_and_gives_no_warni
     whole = read_trial(shared_data("mocap3d/pig_gait_child/HC030A05.c3d"))
     paths = tuple(MarkerTrajectory.measured(p.name, p.xyz[:120]) for p in whole.trajectories)
     write_c3d(tmp_path / "walk.c3d", Trial("walk", Trajectories(paths, whole.trajectories.rate)))
-    found = gait_of_files([tmp_path / "walk.c3d"], settings=QUICK)  # warnings are errors here
+    found = gait_of_files(SubjectFiles([tmp_path / "walk.c3d"]), settings=QUICK)  # warnings are errors here
     said = {one["kind"]: one["values"] for one in found.figures["verdict"]["statements"]}
     assert said["gait_measured"]["speed"] is None and said["gait_measured"]["right_strides"] == 1
 
@@ -502,7 +523,7 @@ def test_a_recording_under_two_names_counts_once(walk, capsys):
     trial = read_trial(walk / "walk.c3d")
     cut = replace(trial, trajectories=trial.trajectories.frames(40, trial.trajectories.n_frames))
     write_c3d(walk / "walk_processed.c3d", cut)
-    alone = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK).figures
+    alone = gait_of_files(SubjectFiles([walk / "walk.c3d"], measures=walk / "anna.toml"), settings=QUICK).figures
     with pytest.raises(SystemExit) as ended:
         app(["gait", str(walk), "--measures", str(walk / "anna.toml"), "--no-uncertainty", "-o", str(walk / "all")])
     assert ended.value.code == 0

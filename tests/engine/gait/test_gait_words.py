@@ -5,6 +5,7 @@ import pytest
 from kinemark.data import Trial, make_finding
 from kinemark.engine.gait.files import gait_of_files
 from kinemark.engine.gait.settings import GaitSettings
+from kinemark.engine.gait.trial_files import SubjectFiles
 from kinemark.io.c3d import write_c3d
 from kinemark.report.gait_page import consistency_table, model_text
 from kinemark.report.words import text_of
@@ -25,7 +26,7 @@ def walk(tmp_path):
 
 def test_the_page_says_its_method_and_its_subject_in_words(walk):
     settings = GaitSettings(uncertainty=False, hip_centre="harrington", smoothing="none", flat_foot=False)
-    found = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=settings)
+    found = gait_of_files(SubjectFiles([walk / "walk.c3d"], measures=walk / "anna.toml"), settings=settings)
     page = (found.folder / "gait.html").read_text()
     words = "hip joint centre by Harrington et al. (2007); segments&#39; inertia by Winter (2009); markers not smoothed"
     assert words in page and "feet as they stood" in page and "hip_centre" not in page
@@ -38,7 +39,7 @@ def test_the_page_says_its_method_and_its_subject_in_words(walk):
 
 
 def test_one_stride_of_a_side_is_one_and_tells_nothing_of_consistency(walk):
-    figures = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK).figures
+    figures = gait_of_files(SubjectFiles([walk / "walk.c3d"], measures=walk / "anna.toml"), settings=QUICK).figures
     assert len(consistency_table(figures).rows) > 4
     one = figures | {"curves": [curve | {"strides": 1} for curve in figures["curves"]]}
     assert not consistency_table(one).rows and "several walks" in consistency_table(one).absent

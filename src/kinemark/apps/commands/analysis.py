@@ -184,7 +184,7 @@ def gait(
     """
     from ...engine.folders import trials_in
     from ...engine.gait.files import gait_of_files
-    from ...engine.gait.trial_files import one_of_each
+    from ...engine.gait.trial_files import SubjectFiles, one_of_each
     from ...report.gait_text import gait_summary
 
     others = (static, functional, mvc)
@@ -192,12 +192,10 @@ def gait(
     trials, left_out = one_of_each(every, (*walks, *others))
     with at_work() as tell:
         tell(f"gait of {', '.join(map(str, trials))}")
-        result = gait_of_files(
-            trials, left_out=left_out, static=static, functional=functional, measures=measures,
-            markers=_pairs(marker), reference=reference, mvc=mvc, clusters=clusters_of(cluster), folder=output,
-            exports=exports, settings=settings,
-            self_contained=self_contained,
-        )  # fmt: skip
+        given = SubjectFiles(
+            trials, left_out, static, functional, mvc, measures, reference, _pairs(marker), clusters_of(cluster)
+        )
+        result = gait_of_files(given, folder=output, exports=exports, settings=settings, self_contained=self_contained)
     if json:
         print_result(result.figures | {"notes": file_note_figures(result.notes)})
     else:

@@ -130,20 +130,39 @@ def ends(paths: Paths, who: Ints, index: Ints, step: int) -> Ends:
     return Ends(frame, xyz, variance)
 
 
-def continued(end: Ends, to: Floats, rate: float, q: float) -> tuple[Floats, Floats]:
-    """Where paths are at frames `to` (N): (N, 3) mm, and the variance of each axis (N) mm², infinite without any."""
+class _Lags(NamedTuple):
+    """What continues N ends to frames, whatever q: which samples are known (N, n), and covariances (N, n, n) of them,
+    mm², of w where q is 1, and of v and a."""
+
+    end: Ends
+    known: Bools
+    walk: Floats
+    steady: Floats
+
+
+def _lags(end: Ends, to: Floats, rate: float) -> _Lags:
     known = np.isfinite(end.variance)
     t = np.where(known, (end.frame - to[:, None]) / rate, 0.0)
     s, u = t[:, :, None], t[:, None, :]
     m, d = np.where(s * u > 0, np.minimum(np.abs(s), np.abs(u)), 0.0), np.abs(s - u)
-    cov = q**2 * (m**5 / 20 + d * m**4 / 8 + d**2 * m**3 / 12)  # (1)
-    cov += s * u * SPEED**2 + s**2 * u**2 / 4 * ACCELERATION**2
+    walk = m**5 / 20 + d * m**4 / 8 + d**2 * m**3 / 12  # (1)
+    return _Lags(end, known, walk, s * u * SPEED**2 + s**2 * u**2 / 4 * ACCELERATION**2)
+
+
+def continued(end: Ends, to: Floats, rate: float, q: float) -> tuple[Floats, Floats]:
+    """Where paths are at frames `to` (N): (N, 3) mm, and the variance of each axis (N) mm², infinite without any."""
+    return _continued(_lags(end, to, rate), q)
+
+
+def _continued(lags: _Lags, q: float) -> tuple[Floats, Floats]:
+    end, known = lags.end, lags.known
+    cov = q**2 * lags.walk + lags.steady
     both = known[:, :, None] & known[:, None, :]
     own = np.where(known, end.variance + ROUNDED * np.diagonal(cov, axis1=1, axis2=2), 1.0)
-    cov = np.where(both, cov, 0.0) + np.eye(t.shape[1]) * own[:, None, :]
+    cov = np.where(both, cov, 0.0) + np.eye(known.shape[1]) * own[:, None, :]
     weight = np.linalg.solve(cov, known[..., None].astype(np.float64))[..., 0]
     total = weight.sum(1)
-    origin = end.xyz[np.arange(len(t)), known.argmax(1)][:, None]
+    origin = end.xyz[np.arange(len(known)), known.argmax(1)][:, None]
     with np.errstate(invalid="ignore", divide="ignore"):
         place = origin[:, 0] + (weight[..., None] * (end.xyz - origin)).sum(1) / total[:, None]
         return place, np.where(known.any(1), 1 / np.maximum(total, 1e-12), np.inf)
@@ -169,8 +188,17 @@ class Meeting(NamedTuple):
 
 def meeting(before: Ends, after: Ends, rate: float, q: float) -> Meeting:
     """How N ends before go on in N ends after (2)."""
-    middle = (before.outermost + after.outermost) / 2
-    (a, u), (b, v) = (continued(end, middle, rate, q) for end in (before, after))
+    return _meeting(_middle(before, after, rate), q)
+
+
+def _middle(before: Ends, after: Ends, rate: float) -> tuple[_Lags, _Lags]:
+    """Both ends continued to the middle between them."""
+    to = (before.outermost + after.outermost) / 2
+    return _lags(before, to, rate), _lags(after, to, rate)
+
+
+def _meeting(lags: tuple[_Lags, _Lags], q: float) -> Meeting:
+    (a, u), (b, v) = (_continued(one, q) for one in lags)
     there = np.isfinite(u) & np.isfinite(v)
     return Meeting(np.where(there, np.linalg.norm(a - b, axis=1), np.nan), u + v)
 
@@ -191,11 +219,11 @@ def _process_noise(paths: Paths) -> float:
     who, index = _tests(paths, held)
     if len(who) < 10:
         return USUAL_Q
-    before, after = ends(paths, who, index, -1), ends(paths, who, index + held, 1)
+    lags = _middle(ends(paths, who, index, -1), ends(paths, who, index + held, 1), paths.rate)
     low, high = np.log(LEAST_Q), np.log(MOST_Q)
     for _ in range(8):
         middle = (low + high) / 2
-        fits = np.nanmedian(meeting(before, after, paths.rate, float(np.exp(middle))).squared) < HALF
+        fits = np.nanmedian(_meeting(lags, float(np.exp(middle))).squared) < HALF
         low, high = (low, middle) if fits else (middle, high)
     return float(np.exp(high))
 

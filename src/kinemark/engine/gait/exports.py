@@ -16,7 +16,7 @@ from ...data import KinemarkError, Trial
 from ...data.array_types import Floats
 from ...data.gait_curves import GaitCurves
 from ...data.subject_measures import SIDES
-from ...findings.gait import GaitOfTrial
+from ...findings.gait_records import GaitOfTrial
 from ...gait.gait_trial import ground_contact
 from ...gait.time_distance import averages
 from ...io.gcd import write_gcd

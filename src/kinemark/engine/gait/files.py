@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...data import Finding, KinemarkError
+from ...data import KinemarkError
 from ...data.gait_curves import GaitCurves, GaitReference
 from ...data.marker_sides import without_subject
 from ...data.subject_measures import SIDES, SubjectMeasures
-from ...findings.gait import GaitOfTrial, gait_figures
-from ...findings.gait_subjects import BodyOfTrial, of_left_out
+from ...findings.gait import gait_figures
+from ...findings.gait_records import GaitOfTrial, GivenFiles, MeasuredSubject, StandingShown
+from ...findings.gait_subjects import of_left_out
 from ...gait.clusters import Clusters, usual_clusters, with_wands
 from ...gait.lower_limb import check_markers, leg_seen
 from ...gait.same_motion import same_motion
@@ -23,7 +24,6 @@ from ...gait.static_axes import with_knees
 from ...io.c3d import write_c3d
 from ...io.files import write_json
 from ...io.gait_csv import write_curves_csv, write_key_values_csv, write_time_distance_csv
-from ...io.measures_toml import read_measures
 from ...io.notes import FileNote, read_notes
 from ...io.trial import read_trial
 from ...report.drawing_library import assets_for
@@ -35,7 +35,7 @@ from .doubts import feet_otherwise
 from .exports import export_files, exports_of, write_exports
 from .reference import read_band
 from .settings import GaitSettings
-from .trial_files import check_targets, trial_names
+from .trial_files import SubjectFiles, check_targets
 from .walks import (
     KnownMeasures,
     Recorded,
@@ -101,17 +101,24 @@ class GaitResult(NamedTuple):
     unusable: Mapping[Path, KinemarkError]
 
 
+class GivenTrials(NamedTuple):
+    """The trials of a subject as they were read.
+
+    Attributes:
+        walks: that can be used, each recording once. still: the standing trial. moved: the motion that shows the hips.
+        unusable: why others cannot be used. repeated: which other walk is the same recording, by their names.
+    """
+
+    walks: list[Recorded]
+    still: Recorded | None
+    moved: Recorded | None
+    unusable: dict[Path, KinemarkError]
+    repeated: dict[str, str]
+
+
 def gait_of_files(
-    walks: Sequence[Path],
+    given: SubjectFiles,
     *,
-    left_out: Sequence[Path] = (),
-    static: Path | None = None,
-    functional: Path | None = None,
-    measures: Path | SubjectMeasures | None = None,
-    markers: Mapping[str, str] | None = None,
-    reference: Path | None = None,
-    mvc: Path | None = None,
-    clusters: Clusters | None = None,
     folder: Path | None = None,
     exports: str = "",
     settings: GaitSettings | None = None,
@@ -122,68 +129,61 @@ def gait_of_files(
     Where one of several walks cannot be used, the others are; the page says why.
 
     Args:
-        walks: trials of one subject with named markers; a recording that is given twice counts once.
-        left_out: files of the same recordings in another format, which are told and kept.
-        static: a standing trial, for the feet.
-        functional: a motion that turns the hips in all directions, which shows their centres.
-        measures: the subject's, or a TOML file of them; as the files state them, else estimated, where none are given.
-        markers: the files' names of markers by the gait model's, where they are neither those nor usual ones.
-        reference: band of controls, drawn grey, and scored against.
-        mvc: of the muscles' greatest contractions, which are 100 % of the EMG.
-        clusters: names of markers by the segment that they carry, one of `gait.clusters.SEGMENTS`; need a static trial.
-        folder: of the results; beside the first walk, its name and `_gait`, where none is given.
-        exports: for other programs, as "trc,mot,sto,gcd".
-        settings: all else. self_contained: the page holds the drawing library.
+        given: the files of one subject. folder: of the results; beside the first walk, its name and `_gait`, where none
+            is given. exports: for other programs, as "trc,mot,sto,gcd". settings: all else.
+        self_contained: the page holds the drawing library.
 
     Raises:
         KinemarkError: there are no walks, none of them can be read or has the markers, another file cannot be read, the
             folder cannot be written, or a file of the results would overwrite one that was given.
     """
     settings, kinds = settings or GaitSettings(), exports_of(exports)
-    if not walks:
+    if not given.walks:
         raise KinemarkError("There is no walk. Give one or more trials of the subject.")
-    walks = list({path.resolve(): path for path in reversed(walks)}.values())[::-1]
-    names = trial_names([*walks, *(path for path in (static, functional) if path is not None)])
-    into = folder or walks[0].with_name(f"{walks[0].stem}_gait")
-    stated_in = measures if isinstance(measures, Path) else None
-    check_targets(
-        _targets(into, [names[path.resolve()] for path in walks], kinds),
-        [*walks, *left_out, static, functional, stated_in, reference, mvc],
-    )
-    band = None if reference is None else read_band(reference)
-
-    def read(path: Path, like: Recorded | None = None) -> Recorded:
-        return _read(path, names, markers, settings, like)
-
-    given, still, unusable = _walks_and_standing(walks, static, read, clusters, settings)
-    whole, repeated = _once(given)
-    stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
-    known = known_measures(stated, whole, still)
-    moved = None if functional is None else read(functional, still)
-    if moved is not None:
-        known = with_hips(known, completed(moved, still) if still is not None and still.clusters else moved, settings)
-    found = subject_gait(whole, known, still, settings, None if mvc is None else read_trial(mvc))
-    files = {names[path.resolve()]: str(path) for path in walks}
-    no_use = [*of_left_out({names[path.resolve()]: str(error) for path, error in unusable.items()}, repeated)]
-    bodies = bodies_of(whole, still, moved)
-    figures = _figures(whole, still, found, known, static, band, settings, files, bodies, no_use,
-                       contractions=mvc is not None)  # fmt: skip
-    figures["emg_whole"] = settings.emg_to if mvc is None else mvc.name
-    figures["identity"] = identity_of_file(whole[0].given, Path(files[whole[0].name]))
-    notes = _written(into, whole, found, figures, band, self_contained=self_contained)
+    given = given.once()
+    into = folder or given.walks[0].with_name(f"{given.walks[0].stem}_gait")
+    check_targets(_targets(into, [given.name(path) for path in given.walks], kinds), given.every())
+    band = None if given.reference is None else read_band(given.reference)
+    trials = _trials(given, settings)
+    known = _known(given.stated_measures(), trials, settings)
+    contractions = None if given.mvc is None else read_trial(given.mvc)
+    found = subject_gait(trials.walks, known, trials.still, settings, contractions)
+    figures = _figures(given, trials, known, found, band, settings)
+    notes = _written(into, trials.walks, found, figures, band, self_contained=self_contained)
     write_exports(
-        into, kinds, [(walk.name, walk.trial, one) for walk, one in zip(whole, found.trials, strict=True)],
+        into, kinds, [(walk.name, walk.trial, one) for walk, one in zip(trials.walks, found.trials, strict=True)],
         found.curves, counts=settings.made.mechanics.counts, mass_kg=known.measures.mass_kg,
     )  # fmt: skip
-    if left_out:
-        notes = (FileNote("left_out", "files", tuple(str(path) for path in left_out)), *notes)
-    return GaitResult(found.trials, found.curves, figures, into, notes, unusable)
+    if given.left_out:
+        notes = (FileNote("left_out", "files", tuple(str(path) for path in given.left_out)), *notes)
+    return GaitResult(found.trials, found.curves, figures, into, notes, trials.unusable)
+
+
+def _trials(given: SubjectFiles, settings: GaitSettings) -> GivenTrials:
+    """Walks, standing trial and motion of the hips; markers that they do not have are missed where they are wanted."""
+
+    def read(path: Path, like: Recorded | None = None) -> Recorded:
+        name = given.name(path)
+        return recorded(name, replace(read_trial(path), name=name), given.markers, settings, like=like)
+
+    walks, still, unusable = _walks_and_standing(given, read, settings)
+    whole, repeated = _once(walks)
+    moved = None if given.functional is None else read(given.functional, still)
+    return GivenTrials(whole, still, moved, unusable, repeated)
+
+
+def _known(stated: SubjectMeasures | None, trials: GivenTrials, settings: GaitSettings) -> KnownMeasures:
+    """The subject's measures, with the hips that a motion shows."""
+    walks, still, moved = trials.walks, trials.still, trials.moved
+    known = known_measures(stated, walks, still)
+    if moved is None:
+        return known
+    return with_hips(known, completed(moved, still) if still is not None and still.clusters else moved, settings)
 
 
 def _walks_and_standing(
-    walks: Sequence[Path], static: Path | None, read: Callable[..., Recorded], clusters: Clusters | None,
-    settings: GaitSettings,
-) -> tuple[list[Recorded], Recorded | None, dict[Path, KinemarkError]]:  # fmt: skip
+    given: SubjectFiles, read: Callable[..., Recorded], settings: GaitSettings
+) -> tuple[list[Recorded], Recorded | None, dict[Path, KinemarkError]]:
     """The walks with the points that clusters carry, the standing trial with its clusters, and why walks are left out.
 
     The walks are read before the usual clusters are known, for these are the ones that walks want; read: makes one of
@@ -192,12 +192,12 @@ def _walks_and_standing(
     Raises:
         KinemarkError: there are clusters and no standing trial, that cannot be read, or no walk can be used.
     """
-    if clusters and static is None:
+    if given.clusters and given.static is None:
         raise KinemarkError("Clusters are calibrated in a standing trial. Give one: --static standing.c3d")
-    still = None if static is None else read(static)
-    if still is not None and clusters:
-        still = with_stated_clusters(still, clusters)
-    found, unread = _each({path: path for path in walks}, lambda path: read(path, still))
+    still = None if given.static is None else read(given.static)
+    if still is not None and given.clusters:
+        still = with_stated_clusters(still, given.clusters)
+    found, unread = _each({path: path for path in given.walks}, lambda path: read(path, still))
     if still is not None:
         still = with_usual_clusters(still, list(found.values()), settings)
         still = replace(still, standard=with_absent_leg(still.standard))
@@ -279,15 +279,6 @@ def _once(walks: Sequence[Recorded]) -> tuple[list[Recorded], dict[str, str]]:
     return kept, repeated
 
 
-def _read(
-    path: Path, names: Mapping[Path, str], markers: Mapping[str, str] | None, settings: GaitSettings,
-    static: Recorded | None = None,
-) -> Recorded:  # fmt: skip
-    """A file; markers that it does not have are missed where they are wanted."""
-    name = names[path.resolve()]
-    return recorded(name, replace(read_trial(path), name=name), markers or {}, settings, like=static)
-
-
 def _targets(folder: Path, names: Sequence[str], kinds: Sequence[str]) -> Iterable[Path]:
     """All files that the results may be."""
     whole = [folder / name for name in (PAGE, FIGURES, CURVES, TIME_DISTANCE, KEY_VALUES)]
@@ -300,24 +291,46 @@ def _c3d(folder: Path, name: str) -> Path:
 
 
 def _figures(
-    walks: Sequence[Recorded], still: Recorded | None, found: SubjectGait, known: KnownMeasures, static: Path | None,
-    band: GaitReference | None, settings: GaitSettings, files: Mapping[str, str], bodies: Sequence[BodyOfTrial],
-    left_out: Sequence[Finding], *, contractions: bool,
+    given: SubjectFiles, trials: GivenTrials, known: KnownMeasures, found: SubjectGait, band: GaitReference | None,
+    settings: GaitSettings,
 ) -> dict[str, Any]:  # fmt: skip
     """All figures, with their words."""
-    stated = {one.name: str(one.given.about.get("subject") or "") for one in (*walks, still) if one is not None}
-    subject = settings.subject or next((stated[walk.name] for walk in walks if stated[walk.name]), "")
-    feet = None if still is None else feet_otherwise(still.given, still.points, flat_foot=settings.flat_foot)
-    return with_words(
+    files = _said(given, trials)
+    subject = settings.subject or next((name for walk in trials.walks if (name := files.subjects[walk.name])), "")
+    figures = with_words(
         gait_figures(
-            found.trials, found.curves, found.causes, subject=subject, measures=found.measures,
-            method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
-            estimated=known.estimated, hips=known.hips, axes=found.axes, clusters=found.clusters,
-            heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=renamed(*walks),
-            stated=stated, files=files, feet=feet, bodies=bodies, left_out=left_out,
-            contractions=contractions,
+            found.trials, found.curves, found.causes,
+            subject=MeasuredSubject(subject, found.measures, known.estimated, known.hips),
+            method=how(settings, known.hips), standing=_standing(given, trials, found, settings), files=files,
+            reference=band, contractions=given.mvc is not None,
         )
     )  # fmt: skip
+    figures["emg_whole"] = settings.emg_to if given.mvc is None else given.mvc.name
+    first = trials.walks[0]
+    figures["identity"] = identity_of_file(first.given, Path(files.paths[first.name]))
+    return figures
+
+
+def _said(given: SubjectFiles, trials: GivenTrials) -> GivenFiles:
+    """What the files say besides motion."""
+    standing = [] if trials.still is None else [trials.still]
+    unusable = {given.name(path): str(error) for path, error in trials.unusable.items()}
+    return GivenFiles(
+        paths={given.name(path): str(path) for path in given.walks},
+        subjects={one.name: str(one.given.about.get("subject") or "") for one in (*trials.walks, *standing)},
+        renamed=renamed(*trials.walks),
+        bodies=bodies_of(trials.walks, trials.still, trials.moved),
+        left_out=[*of_left_out(unusable, trials.repeated)],
+    )
+
+
+def _standing(given: SubjectFiles, trials: GivenTrials, found: SubjectGait, settings: GaitSettings) -> StandingShown:
+    """What the standing trial has shown."""
+    still = trials.still
+    name = None if given.static is None else given.static.name
+    feet = None if still is None else feet_otherwise(still.given, still.points, flat_foot=settings.flat_foot)
+    heels = sorted({marker for walk in trials.walks for marker in walk.standard.heels})
+    return StandingShown(name, found.axes, found.clusters, heels, feet)
 
 
 def _written(

@@ -17,6 +17,7 @@ from ..keys import code_key, digest, file_key
 from ..settings import Settings
 from ..settings.tables import GaitTable
 from .files import FIGURES, PAGE, gait_of_files
+from .trial_files import SubjectFiles
 
 FOLDER = "gait"
 KEY, REASON = "made_of", "not_computed"
@@ -57,12 +58,15 @@ def update_gait(root: Path, results: Path, settings: Settings, *, self_contained
             raise KinemarkError(f"[gait] functional names the trial {table.functional!r}, which was not processed.")
         if table.mvc and strong is None:
             raise KinemarkError(f"[gait] mvc names the trial {table.mvc!r}, which was not processed.")
-        figures = gait_of_files(
-            walks, static=static, functional=moved, measures=table.stated_measures(root), markers=table.markers,
-            reference=None if table.reference is None else root / table.reference, folder=folder, mvc=strong,
+        given = SubjectFiles(
+            walks, static=static, functional=moved, mvc=strong, measures=table.stated_measures(root),
+            reference=None if table.reference is None else root / table.reference, markers=table.markers,
             clusters=table.clusters,
-            exports=table.exports, settings=table.settings(), self_contained=self_contained,
-        ).figures  # fmt: skip
+        )  # fmt: skip
+        how, exports = table.settings(), table.exports
+        figures = gait_of_files(
+            given, folder=folder, exports=exports, settings=how, self_contained=self_contained
+        ).figures
     except KinemarkError as error:
         shutil.rmtree(folder, ignore_errors=True)  # of another state of the session
         figures = {REASON: str(error)}

@@ -3,11 +3,70 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
 from ...data import KinemarkError
+from ...data.subject_measures import SubjectMeasures
+from ...gait.clusters import Clusters
+from ...io.measures_toml import read_measures
 from ..folders import RECORDINGS
+
+
+@dataclass(frozen=True)
+class SubjectFiles:
+    """What is given of one subject.
+
+    Attributes:
+        walks: trials with named markers; a recording that is given twice counts once.
+        left_out: files of the same recordings in another format, which are told and kept.
+        static: a standing trial, for the feet.
+        functional: a motion that turns the hips in all directions, which shows their centres.
+        mvc: of the muscles' greatest contractions, which are 100 % of the EMG.
+        measures: the subject's, or a TOML file of them; as the files state them, else estimated, where none are given.
+        reference: band of controls, drawn grey, and scored against.
+        markers: the files' names of markers by the gait model's, where they are neither those nor usual ones.
+        clusters: names of markers by the segment that they carry, one of `gait.clusters.SEGMENTS`; need a static trial.
+    """
+
+    walks: Sequence[Path]
+    left_out: Sequence[Path] = ()
+    static: Path | None = None
+    functional: Path | None = None
+    mvc: Path | None = None
+    measures: Path | SubjectMeasures | None = None
+    reference: Path | None = None
+    markers: Mapping[str, str] = field(default_factory=dict)
+    clusters: Clusters = field(default_factory=dict)
+
+    def once(self) -> SubjectFiles:
+        """Each walk once, as it was given first."""
+        return replace(self, walks=list({path.resolve(): path for path in reversed(self.walks)}.values())[::-1])
+
+    @cached_property
+    def names(self) -> dict[Path, str]:
+        """Of the trials, by their resolved paths."""
+        return trial_names([*self.walks, *(path for path in (self.static, self.functional) if path is not None)])
+
+    def name(self, path: Path) -> str:
+        """Of a walk, of the standing trial or of the motion of the hips."""
+        return self.names[path.resolve()]
+
+    def every(self) -> list[Path]:
+        """All that must stay as it is."""
+        stated = self.measures if isinstance(self.measures, Path) else None
+        others = (self.static, self.functional, stated, self.reference, self.mvc)
+        return [*self.walks, *self.left_out, *(path for path in others if path is not None)]
+
+    def stated_measures(self) -> SubjectMeasures | None:
+        """The subject's measures as they are given; None where they are not.
+
+        Raises:
+            KinemarkError: their file cannot be read.
+        """
+        return read_measures(self.measures) if isinstance(self.measures, Path) else self.measures
 
 
 def one_of_each(found: Sequence[Path], named: Iterable[Path | None]) -> tuple[tuple[Path, ...], tuple[Path, ...]]:
@@ -64,13 +123,13 @@ def _with_all(path: Path) -> str:
     return "_".join([*path.parent.parts[1:], _with_format(path)])
 
 
-def check_targets(targets: Iterable[Path], given: Iterable[Path | None]) -> None:
+def check_targets(targets: Iterable[Path], given: Iterable[Path]) -> None:
     """See that no file of the results is one that was given.
 
     Raises:
         KinemarkError: one is.
     """
-    kept = {path.resolve() for path in given if path is not None}
+    kept = {path.resolve() for path in given}
     if lost := [path for path in targets if path.resolve() in kept]:
         raise KinemarkError(
             f"The results would overwrite {lost[0]}, which was given. Nothing was written. "

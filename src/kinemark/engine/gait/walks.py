@@ -15,7 +15,7 @@ from ...data.laboratory_axes import shows_up
 from ...data.marker_sides import without_subject
 from ...data.strides import FootEvent
 from ...data.subject_measures import SIDES, SubjectMeasures
-from ...findings.gait import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
+from ...findings.gait_records import ClustersShown, GaitOfTrial, HipsShown, StaticAxes
 from ...gait import with_static_offsets
 from ...gait.backwards import reversals
 from ...gait.clusters import CalibratedBody, Clusters, calibrated_body, uncarried, with_wands

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ...data import KinemarkError
 from ...data.array_types import Floats
-from ..number_text import bad_line, read_text
+from ..number_text import bad_line, read_text, wanted_number
 from .tab_tables import ABSENT, MM, camera_number, read_rows, write_lines, write_rows
 
 N_PARAMETERS = 11  # of a camera; of the format (UM²AS eq. 2.4)
@@ -99,7 +99,7 @@ def _date(path: Path | str, line: int, text: str) -> date:
 
 def _parameter(path: Path | str, line: int, text: str) -> float:
     try:
-        value = float(text)
+        value = wanted_number(text)
     except ValueError:
         raise bad_line(path, line, f"{text.strip()!r}, wanted one calibration parameter") from None
     if not np.isfinite(value):

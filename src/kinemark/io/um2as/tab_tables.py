@@ -11,7 +11,7 @@ import numpy as np
 from ...data import KinemarkError
 from ...data.array_types import Floats
 from ..files import write_text
-from ..number_text import bad_line, read_text
+from ..number_text import bad_line, read_text, wanted_number
 from ..units import MM as UNITS_MM
 
 MM = UNITS_MM["cm"]
@@ -79,7 +79,7 @@ def _row(path: Path | str, line: int, cells: list[str], width: int, absent: bool
     if len(cells) != width:
         raise bad_line(path, line, f"has {len(cells)} entries, wanted {width} as in the lines before")
     try:
-        row = [float(cell) for cell in cells]
+        row = [wanted_number(cell) for cell in cells]
     except ValueError:
         raise bad_line(path, line, f"{' '.join(cells)!r} is not {width} numbers. Correct the line.") from None
     if not np.isfinite(row).all():

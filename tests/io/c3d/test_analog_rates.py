@@ -97,9 +97,9 @@ def test_more_samples_than_a_frame_holds_are_refused_before_they_take_memory():
 @pytest.mark.parametrize("floats", [True, False])
 def test_writing_many_channels_takes_less_memory_than_they_do(tmp_path, floats):
     """It took six times that: 100 000 frames with 64 channels ended small computers."""
-    values = np.random.default_rng(1).integers(-2000, 2000, (32, 40_000)).astype(float)
-    fast = Analog(tuple(f"c{k}" for k in range(32)), ("V",) * 32, 1000.0, values)
-    path = MarkerTrajectory.measured("m", np.ones((4000, 3)))
+    values = np.random.default_rng(1).integers(-2000, 2000, (32, 80_000)).astype(float)
+    fast = Analog(tuple(f"c{k}" for k in range(32)), ("V",) * 32, 200.0, values)
+    path = MarkerTrajectory.measured("m", np.ones((40_000, 3)))
     write_c3d(tmp_path / "t.c3d", Trial("t", Trajectories((path,), 100.0), (fast,)), floats=floats)
     trial = read_c3d(tmp_path / "t.c3d")
     tracemalloc.start()

@@ -53,7 +53,8 @@ describe("a trial that cannot be shown", () => {
     expect(footLine(s).map((one) => one.id)).toEqual(["run", "print", "help", "up"]);
   });
 
-  it("is not run while it is being read, nor where there is nothing to run", () => {
+  it("is not run while it is being read or run, nor where there is nothing to run", () => {
+    expect(shift({ screen: "gaps", id: "t", unshown: "It was run by another one.", jobs: { t: { id: "1", trial: "t", state: "running" } as never } })).toEqual([]);
     expect(shift({ screen: "gaps", id: "t" })).toEqual([]);
     expect(shift({ screen: "gaps", id: "t", unshown: "This file is damaged.", runs: false })).toEqual([]);
   });

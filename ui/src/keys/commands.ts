@@ -16,7 +16,7 @@ import { askNames, goTo, runTrial, writePdf } from "../state/load";
 import { print } from "../state/print";
 import { backToMenu, menuUp, useMenu } from "../state/um2as";
 import type { Problem } from "../api/types";
-import { currentProblem, get, keep, ofFile, playhead, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
+import { currentProblem, get, keep, ofFile, playhead, running, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
 
 export type Group = "Cameras" | "Detection" | "Digitising" | "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
 
@@ -179,7 +179,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", screens: SHOWN, when: hasTrial, foot: 50, hint: () => "sign the trial", run: () => set({ dialog: "sign" }) },
   { id: "pdf", keys: ["P"], title: "PDF of the report", group: "Trial", screens: ["report"], when: reported, foot: 1, hint: () => "PDF of the report", run: () => void writePdf() },
   { id: "print", keys: ["Shift+P", "Ctrl+P"], title: "Print this page", group: "Trial", foot: 60, hint: (s) => (s.screen === "report" && reported(s) ? "the report alone, to print" : "print this page"), run: print },
-  { id: "run", keys: ["Shift+Enter"], title: "Run the trial, so that it can be shown", group: "Trial", screens: SHOWN, unshown: true, when: (s) => s.id !== null && s.runs && s.unshown !== "", foot: 1, hint: () => "run the trial", run: () => void runTrial() },
+  { id: "run", keys: ["Shift+Enter"], title: "Run the trial, so that it can be shown", group: "Trial", screens: SHOWN, unshown: true, when: (s) => s.id !== null && !running(s, s.id) && s.runs && s.unshown !== "", foot: 1, hint: () => "run the trial", run: () => void runTrial() },
   // Go to
   ...SESSION_COMMANDS,
   ...UM2AS_COMMANDS,

@@ -56,7 +56,7 @@ function Tile({ name }: { name: string }): React.JSX.Element {
     d.setMasks(name, [...d.masksOf(t, name), [[l, o], [r, o], [r, u], [l, u]]]);
   };
   return (
-    <section className={styles.tile} aria-label={name} data-markers={n} data-refused={refused}>
+    <section className={styles.tile} aria-label={name} data-markers={found ? n : ""} data-refused={refused}>
       <header>
         <b>{name}</b>
         {!found && <span className="soft">{t.about.learned ? "learning from its recording …" : "…"}</span>}

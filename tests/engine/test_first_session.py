@@ -82,6 +82,8 @@ def test_what_no_file_tells_is_asked_and_then_known(waved):
 def test_without_answers_the_file_says_what_is_wanted(waved):
     text = write_first_session(propose_session(waved)).read_text("utf-8")
     assert '# ? wand = { images = "wand/{camera}.mkv", lengths_mm = [?] }' in text
+    with pytest.raises(KinemarkError, match=r"begin with # \? want a value, .*: wand, l_frame\."):
+        Session.open(waved)
     completed = text.replace("# ? wand", "wand").replace("lengths_mm = [?]", "lengths_mm = [500]")
     (waved / "session.toml").write_text(completed, "utf-8")
     assert Session.open(waved).settings.calibration.way == "wand"

@@ -3,9 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
+from scipy.spatial.distance import pdist
 
 from kinemark.data import Cloud, Detections, Finding, MarkerTrajectory, Tracks, Trajectories
-from kinemark.findings.left_over import left_over
+from kinemark.findings.left_over import NEAR_PX, left_over
 from kinemark.geometry import project
 from kinemark.report.words import advice_of, text_of
 from support.captures import RATE, judge, ring
@@ -21,10 +23,10 @@ def crossing(markers):
     return path + 90.0 * np.arange(markers)[:, None, None] * np.array([0.2, 1, 1.0])
 
 
-def seen_beside(rig, xyz, *, tracked, lamps=0, flicker=0, known=None):
+def seen_beside(rig, xyz, *, tracked, lamps=0, flicker=0, known=None, wander=0.2):
     """Records of markers (M, F, 3), of which the first `tracked` are points, where `known` (F, M) or always.
 
-    Each camera sees lamps in eight of ten frames, and flicker.
+    Each camera sees lamps in eight of ten frames, with a standard deviation `wander` px, and flicker.
     """
     rng, n = np.random.default_rng(4), xyz.shape[1]
     known = np.ones((n, tracked), bool) if known is None else known
@@ -33,7 +35,7 @@ def seen_beside(rig, xyz, *, tracked, lamps=0, flicker=0, known=None):
         places = rng.uniform([0, 0], [640, 480], (lamps, 2))
         for f in range(n):
             on = places[rng.random(lamps) < 0.8]
-            also = [on + rng.normal(0, 0.2, on.shape), rng.uniform([0, 0], [640, 480], (flicker, 2))]
+            also = [on + rng.normal(0, wander, on.shape), rng.uniform([0, 0], [640, 480], (flicker, 2))]
             detection[f, :, c] = sum(map(len, rows)) + np.arange(tracked)
             rows.append(np.concatenate([project(camera, xyz[:, f]), *also]))
             counts[c, f] = len(rows[-1])
@@ -70,6 +72,16 @@ def test_lamps_and_flicker_are_named_and_are_no_markers_that_were_missed():
         assert abs(camera["used_of_valid_share"] - used / valid) < 0.02
         assert abs(camera["standing_share"] - 0.8 * LAMPS / valid) < 0.02
         assert 0.8 * FLICKER / valid < camera["fleeting_share"] < 1.05 * FLICKER / valid
+
+
+@pytest.mark.parametrize("wander", [0.6, 0.9, 1.2])
+def test_a_lamp_whose_images_wander_is_one_place(wander):
+    """Its pixel was printed twice."""
+    rig = ring()
+    records = seen_beside(rig, crossing(4), tracked=4, lamps=LAMPS, wander=wander)
+    for camera in left_over(records["detections"], records["tracks"]):
+        assert camera["standing_spots"] == LAMPS
+        assert pdist(camera["standing_at"]).min() > 2 * NEAR_PX
 
 
 def test_images_of_no_point_that_move_on_are_told_as_unused():

@@ -103,6 +103,7 @@ def test_one_camera_alone_dark_markers_and_what_cannot_be(tried):
     page.get_by_role("button", name="one", exact=True).click()
     page.get_by_role("button", name="Detect", exact=True).click()
     before = tile(page, "c0", 2)
+    page.locator("[data-found=yes]").wait_for()  # the cameras come one after the other
     lost = int(page.locator("section[aria-label='c1']").get_attribute("data-markers"))
     page.get_by_label("For which cameras").select_option("c1")
     field = page.get_by_label("Threshold, left open", exact=True)

@@ -1903,9 +1903,14 @@ export interface components {
         };
         /**
          * DetectFrameBody
-         * @description A frame, and what is tried in it.
+         * @description A frame, and what is tried in it; in all cameras where none is named.
          */
         DetectFrameBody: {
+            /**
+             * Cameras
+             * @default []
+             */
+            cameras: string[];
             /**
              * @default {
              *       "cameras": {},

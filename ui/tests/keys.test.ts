@@ -44,6 +44,27 @@ describe("the table of commands", () => {
   });
 });
 
+describe("a trial that cannot be shown", () => {
+  const shift = (some: Partial<State>): string[] => COMMANDS.filter((c) => c.keys.includes("Shift+Enter") && possible(c, state(some))).map((c) => c.id);
+
+  it.each(["tracks", "labels", "gaps", "angles", "report", "history"] as const)("is run by Shift+Enter on %s, and nothing else is offered of it", (screen) => {
+    const s = state({ screen, id: "t", unshown: "It was run by another one." });
+    expect(shift(s)).toEqual(["run"]);
+    expect(footLine(s).map((one) => one.id)).toEqual(["run", "print", "help", "up"]);
+  });
+
+  it("is not run while it is being read or run, nor where there is nothing to run", () => {
+    expect(shift({ screen: "gaps", id: "t", unshown: "It was run by another one.", jobs: { t: { id: "1", trial: "t", state: "running" } as never } })).toEqual([]);
+    expect(shift({ screen: "gaps", id: "t" })).toEqual([]);
+    expect(shift({ screen: "gaps", id: "t", unshown: "This file is damaged.", runs: false })).toEqual([]);
+  });
+
+  it("keeps its keys once it is there", () => {
+    expect(shift({ screen: "gaps", id: "t", header: HEADER })).toEqual(["gap-all"]);
+    expect(shift({ screen: "labels", id: "t", header: HEADER })).toEqual(["labels-accept"]);
+  });
+});
+
 describe("presses", () => {
   it("are the same on every keyboard", () => {
     expect(press("n")).toBe("N");

@@ -2,6 +2,7 @@
 import { beforeEach, expect, it, vi } from "vitest";
 import type { Angles } from "../src/api/sessions";
 import { connect } from "../src/api/live";
+import { goToFrame, loadDetect, tryValue } from "../src/state/detect";
 import { act } from "../src/state/acts";
 import { arrive, askNames, fetchHome, fresh, refetch, wantDetections } from "../src/state/load";
 import { byId, possible } from "../src/keys/commands";
@@ -12,12 +13,13 @@ import { HEADER, path, PROBLEMS, set as paths } from "./support";
 /** What was asked for and not answered yet, by the function that asked. */
 const open: Record<string, ((value: unknown) => void)[]> = vi.hoisted(() => ({}));
 const later = vi.hoisted(() => (name: string) => () => new Promise((done) => (open[name] ??= []).push(done)));
-const kinds = vi.hoisted(() => ["home", "trial", "paths", "labels", "gaps", "detections", "act"]);
+const kinds = vi.hoisted(() => ["home", "trial", "paths", "labels", "gaps", "detections", "act", "detection", "detectFrame"]);
 vi.mock("../src/api/client", async (real) => ({
   ...(await real<object>()), ...Object.fromEntries(kinds.map((name) => [name, later(name)])), problems: () => Promise.resolve(PROBLEMS), standing: () => Promise.resolve({ ready: true }),
 }));
 vi.mock("../src/api/sessions", async (real) => ({ ...(await real<object>()), angles: later("angles"), ball: later("ball") }));
 vi.stubGlobal("requestAnimationFrame", (draw: () => void) => (queueMicrotask(draw), 1));
+vi.stubGlobal("window", globalThis);
 vi.stubGlobal("location", { search: "?still", hash: "", protocol: "http:", host: "h" });
 
 const soon = (ms = 5): Promise<unknown> => new Promise((done) => setTimeout(done, ms));
@@ -144,6 +146,24 @@ it("shows the angles that were chosen last", async () => {
   await give("angles", { name: "b" } as unknown as Angles, 1);
   await give("angles", { name: "a" } as unknown as Angles);
   expect(now().angles).toEqual({ name: "b" });
+});
+
+it("shows detection a camera at a time while it is learned, and goes on with the frame that is wanted now", async () => {
+  const about = { first: 1, last: 9, cameras: [{ name: "a" }, { name: "b" }], parameters: [] }, found = (): string[] => get().detect!.found.map((c) => c.name);
+  const answer = (...names: string[]): Promise<void> => give("detectFrame", { frame: 1, cameras: names.map((name) => ({ name, limits: {} })) });
+  open["detectFrame"] = [];
+  void loadDetect("t"), await soon();
+  await give("detection", about), await answer("a");
+  expect(found()).toEqual(["a"]);
+  goToFrame(2), await soon(60);
+  await give("detectFrame", { frame: 1, cameras: [{ name: "b", limits: {} }] });
+  expect([found(), open["detectFrame"].length]).toEqual([["a"], 1]);
+  await answer("a"), await answer("b");
+  expect([found(), open["detectFrame"].length]).toEqual([["a", "b"], 0]);
+  tryValue("threshold", 3), await soon(60);
+  expect(open["detectFrame"].length).toBe(1);
+  await answer("a", "b");
+  expect(open["detectFrame"].length).toBe(0);
 });
 
 it("takes a second click for no answer to the same question", async () => {

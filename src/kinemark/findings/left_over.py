@@ -86,9 +86,16 @@ def _of_camera(detections: Detections, tracks: Tracks, c: int, used: Bools) -> d
 
 
 def _means(uv: Floats, place: Ints) -> Floats:
-    """(P, 2) px of the images (N, 2) at each of P places."""
-    number, images = np.unique(place, return_inverse=True, return_counts=True)[1:]
-    return np.stack([np.bincount(number, uv[:, axis]) / images for axis in (0, 1)], -1)
+    """(P, 2) px of the images (N, 2) at each of P places; a lamp that wanders is found at two, whose
+    images within NEAR_PX overlap: they are one."""
+    while True:
+        number, images = np.unique(place, return_inverse=True, return_counts=True)[1:]
+        means = np.stack([np.bincount(number, uv[:, axis]) / images for axis in (0, 1)], -1)
+        near = cKDTree(means).query_pairs(2 * NEAR_PX, output_type="ndarray")
+        if not len(near):
+            return means
+        closest = near[np.linalg.norm(means[near[:, 0]] - means[near[:, 1]], axis=1).argmin()]
+        place = np.where(number == closest[1], closest[0], number)
 
 
 def _step(detections: Detections, tracks: Tracks, c: int) -> float:

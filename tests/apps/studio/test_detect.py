@@ -58,6 +58,7 @@ def test_what_cannot_be_is_refused_in_words(studio):
         ("detect/frame", {"frame": 6, "draft": {"every": {"threshold": 300}}}, "threshold is 300"),
         ("detect/frame", {"frame": 6, "draft": {"every": {"min_area": 50, "max_area": 9}}}, "min_area"),
         ("detect/frame", {"frame": 6, "draft": {"masks": {"c0": [[[0, 0], [1, 1]]]}}}, "at least 3"),
+        ("detect/frame", {"frame": 6, "cameras": ["c0", "c9"]}, "no camera c9"),
         ("detect/why", {"frame": 6, "camera": "c9", "u": 1, "v": 1}, "no camera c9"),
         ("detect/why", {"frame": 6, "camera": "c0", "u": 999, "v": 1}, "outside the image"),
         ("detect/apply", {"every": {"path": 1}}, "is not a parameter"),
@@ -66,6 +67,12 @@ def test_what_cannot_be_is_refused_in_words(studio):
         answer = studio.page.post(f"{trial}/{path}", body)
         assert answer.status == 422 and words in answer.json()["words"], answer.json()
     assert found(studio) == before
+
+
+def test_a_camera_alone_is_looked_at_as_in_all(studio):
+    """So that a page shows one after the other, while what is left open is learned."""
+    alone = studio.page.post(f"{studio.trial}/detect/frame", {"frame": 6, "cameras": ["c1"]}).json()["cameras"]
+    assert alone == found(studio)[1:]
 
 
 def test_a_threshold_in_the_noise_says_so_and_the_image_is_shown(studio):

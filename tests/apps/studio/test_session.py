@@ -29,7 +29,9 @@ def studio(folder):
     card = studio.page.get("/api/home").json()["sessions"][0]["trials"][0]
     assert card["state"] == "not run" and studio.page.get(studio.trial).status == 424
     job = studio.page.post(f"{studio.trial}/run", {}).json()
-    assert job["state"] == "running" and studio.page.post(f"{studio.trial}/run", {}).status == 422
+    again = studio.page.post(f"{studio.trial}/run", {})
+    assert job["state"] == "running" and again.status == 422
+    assert again.json()["words"] == "one of this session is running already. Wait for it, or cancel it."
     began = time.monotonic()
     while (job := studio.page.get("/api/jobs").json()[-1])["state"] == "running":
         assert time.monotonic() - began < 120

@@ -1,11 +1,15 @@
 """Trying detection in one frame: what would be found is what a run finds; why is said; what is chosen is written."""
 
+from concurrent.futures import ThreadPoolExecutor
+from time import sleep
+
 import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError, Validity
 from kinemark.data.masks import Masks
 from kinemark.detect import Centroids
+from kinemark.engine.detection import open_detection
 from kinemark.engine.detection.open_detection import Draft, OpenDetection
 from kinemark.engine.detection.settings_file import apply
 from kinemark.engine.detection.why import why
@@ -51,6 +55,15 @@ def test_what_would_be_found_is_what_a_run_finds(tmp_path, more, frames, lines):
             own = opened.detected(f"c{c}", opened.first + f, NOTHING)
             np.testing.assert_array_equal(own.blobs.uv, found.uv[found.rows(c, f)])
             np.testing.assert_array_equal(own.blobs.validity, found.validity[found.rows(c, f)])
+
+
+def test_what_a_camera_leaves_open_is_learned_once_however_many_ask_meanwhile(tmp_path, monkeypatch):
+    asked, real = [], open_detection.for_camera
+    monkeypatch.setattr(open_detection, "for_camera", lambda *what: (asked.append(1), sleep(0.1), real(*what))[-1])
+    opened = OpenDetection(session_in(tmp_path), "one")
+    with ThreadPoolExecutor(4) as pool:
+        found = [*pool.map(lambda frame: opened.detected("c0", frame, NOTHING).method, (1, 2, 3, 4))]
+    assert len(asked) == 1 and len({*found}) == 1
 
 
 def test_a_draft_changes_what_is_found_and_writes_nothing(opened):

@@ -96,7 +96,7 @@ export const partAddress = (id: string, camera: string, frame: number, images: s
   `/api${of(id)}/cameras/${part(camera)}/${frame}?x=${x}&y=${y}&w=${w}&h=${h}&images=${images}`;
 
 export const detection = (id: string): Promise<Detection> => json(`${of(id)}/detect`);
-export const detectFrame = (id: string, frame: number, draft: DetectDraft): Promise<DetectFrame> => json(`${of(id)}/detect/frame`, body({ frame, draft }));
+export const detectFrame = (id: string, frame: number, draft: DetectDraft, cameras: readonly string[] = []): Promise<DetectFrame> => json(`${of(id)}/detect/frame`, body({ frame, draft, cameras }));
 export const detectWhy = (id: string, what: WhyBody): Promise<PlaceWhy> => json(`${of(id)}/detect/why`, body(what));
 export const detectApply = (id: string, draft: DetectDraft): Promise<Detection> => json(`${of(id)}/detect/apply`, body(draft));
 export const digitising = (id: string): Promise<DigitisingNow> => json(`${of(id)}/digitise`);

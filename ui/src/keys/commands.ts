@@ -12,11 +12,11 @@ import { computedNames, shownPaths } from "../model/paths";
 import { dropOf, keepOf, proposed, wayOf as wayTo } from "../model/problems";
 import * as acts from "../state/acts";
 import { nameTrack, nextTrack, settle } from "../state/labels";
-import { askNames, goTo, writePdf } from "../state/load";
+import { askNames, goTo, runTrial, writePdf } from "../state/load";
 import { print } from "../state/print";
 import { backToMenu, menuUp, useMenu } from "../state/um2as";
 import type { Problem } from "../api/types";
-import { currentProblem, get, keep, ofFile, playhead, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
+import { currentProblem, get, keep, ofFile, playhead, running, SCREENS, set, TITLES, type Screen, type State } from "../state/store";
 
 export type Group = "Cameras" | "Detection" | "Digitising" | "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
 
@@ -30,6 +30,8 @@ export interface Command {
   screens?: readonly Screen[];
   /** Whether it can be done now. */
   when?: (s: State) => boolean;
+  /** Done where a trial cannot be shown; of all others that have screens, those of a trial need it there. */
+  unshown?: boolean;
   /** Whether it belongs to what is looked at; the foot offers it there alone. */
   fits?: (s: State) => boolean;
   /** What it would do now, in words, for the foot; the title where absent. */
@@ -177,6 +179,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", screens: SHOWN, when: hasTrial, foot: 50, hint: () => "sign the trial", run: () => set({ dialog: "sign" }) },
   { id: "pdf", keys: ["P"], title: "PDF of the report", group: "Trial", screens: ["report"], when: reported, foot: 1, hint: () => "PDF of the report", run: () => void writePdf() },
   { id: "print", keys: ["Shift+P", "Ctrl+P"], title: "Print this page", group: "Trial", foot: 60, hint: (s) => (s.screen === "report" && reported(s) ? "the report alone, to print" : "print this page"), run: print },
+  { id: "run", keys: ["Shift+Enter"], title: "Run the trial, so that it can be shown", group: "Trial", screens: SHOWN, unshown: true, when: (s) => s.id !== null && !running(s, s.id) && s.runs && s.unshown !== "", foot: 1, hint: () => "run the trial", run: () => void runTrial() },
   // Go to
   ...SESSION_COMMANDS,
   ...UM2AS_COMMANDS,
@@ -245,8 +248,11 @@ function leaveIt(): void {
 
 export const byId = (id: string): Command => COMMANDS.find((c) => c.id === id)!;
 
+/** Whether nothing of the trial is there, so that its keys would do nothing, and one of them may mean another thing. */
+const lacking = (s: State): boolean => SHOWN.includes(s.screen) && !hasTrial(s);
+
 /** Whether a command can be done now. */
-export const possible = (c: Command, s: State): boolean => (!c.screens || c.screens.includes(s.screen)) && (!c.when || c.when(s));
+export const possible = (c: Command, s: State): boolean => (!c.screens || (c.screens.includes(s.screen) && Boolean(c.unshown) === lacking(s))) && (!c.when || c.when(s));
 
 /** What the foot says: the commands that are most likely now, with what they would do. */
 export const footLine = (s: State): { key: string; words: string; id: string }[] =>
@@ -260,7 +266,7 @@ export function clashes(all: readonly Command[] = COMMANDS): string[] {
   for (const c of all)
     for (const key of c.keys)
       for (const screen of c.screens ?? SCREENS) {
-        const at = `${screen} ${key}`, other = seen.get(at);
+        const at = `${screen}${c.unshown ? " without a trial" : ""} ${key}`, other = seen.get(at);
         if (other) found.push(`${at}: ${other} and ${c.id}`);
         seen.set(at, c.id);
       }

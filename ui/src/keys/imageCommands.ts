@@ -2,7 +2,7 @@
 import * as d from "../state/detect";
 import * as g from "../state/digitise";
 import { runTrial } from "../state/load";
-import { get, set, type State } from "../state/store";
+import { get, running, set, type State } from "../state/store";
 import type { Command, Level } from "./commands";
 
 const DETECT = ["detect"] as const, DIGITISE = ["digitise"] as const;
@@ -20,7 +20,7 @@ export const DETECT_COMMANDS: readonly Command[] = [
   { id: "detect-forget", keys: ["Backspace"], title: "Forget what is tried", group: "Detection", screens: DETECT, when: tried, foot: 3, hint: () => "forget what is tried", run: d.forgetDraft },
   { id: "detect-mask", keys: ["M"], title: "Paint masks", group: "Detection", screens: DETECT, when: there, foot: 4, hint: (s) => (s.detect!.painting ? "no longer paint masks" : "paint masks"), run: d.flipPainting },
   { id: "detect-white", keys: ["P"], title: "Show white pixels", group: "Detection", screens: DETECT, when: there, foot: 5, hint: (s) => (s.detect!.white ? "without white pixels" : "white pixels"), run: d.flipWhite },
-  { id: "detect-run", keys: ["Shift+Enter"], title: "Run the trial again", group: "Detection", screens: ["detect", "digitise", "tracks", "report", "history"], when: (s) => s.id !== null && (s.header ? s.header.session_id !== null && (s.screen === "detect" || s.screen === "digitise" || s.header.stale !== "") : s.runs), fits: (s) => s.screen !== "digitise" || !s.digitise || phase(s) === "done", foot: 8, hint: () => "run the trial", run: () => void runTrial() },
+  { id: "detect-run", keys: ["Shift+Enter"], title: "Run the trial again", group: "Detection", screens: ["detect", "digitise", "tracks", "angles", "report", "history"], when: (s) => s.id !== null && !running(s, s.id) && (s.header ? s.header.session_id !== null && (s.screen === "detect" || s.screen === "digitise" || s.header.stale !== "") : s.runs), fits: (s) => s.screen !== "digitise" || !s.digitise || phase(s) === "done", foot: 8, hint: () => "run the trial", run: () => void runTrial() },
   { id: "detect-forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: DETECT, when: there, foot: 6, hint: () => "next frame", run: frame(1) },
   { id: "detect-back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: DETECT, run: frame(-1) },
   { id: "detect-forward-10", keys: ["Shift+ArrowRight"], title: "10 frames on", group: "Time", screens: DETECT, run: frame(10) },

@@ -1,7 +1,7 @@
 /** Keys of the screens New session, Cameras & calibration, and Angles. */
 import { goTo } from "../state/load";
 import { answer, asked, back, calibrate, choose, lookAtSpike, makeSession, now, pointAtSpot, put, sessionOf, stepSpot, writeEuler } from "../state/sessions";
-import { get, playhead, set, type State } from "../state/store";
+import { get, playhead, running, set, type State } from "../state/store";
 import type { Command, Level } from "./commands";
 
 const balls = (): boolean => now().control !== null && now().pointing === true && now().camera !== "";
@@ -42,7 +42,7 @@ export const SESSION_COMMANDS: readonly Command[] = [
   { id: "trial-next", keys: ["N"], title: "Next trial or folder", group: "Go to", screens: LISTS, when: many, foot: 2, hint: (s) => (s.screen === "home" ? "next trial" : "next folder"), run: () => mark(1) },
   { id: "trial-before", keys: ["Shift+N"], title: "Trial or folder before", group: "Go to", screens: LISTS, when: many, run: () => mark(-1) },
   { id: "session-make", keys: ["Shift+Enter"], title: "Make the session", group: "Cameras", screens: ["new"], when: () => now().proposed?.lacking === "", foot: 1, hint: () => `make the session ${now().proposed?.name ?? ""}`, run: () => void makeSession(false) },
-  { id: "calibrate", keys: ["Shift+Enter"], title: "Calibrate now", group: "Cameras", screens: ["cameras"], when: () => now().session !== null, foot: 4, hint: () => "calibrate now", run: () => void calibrate() },
+  { id: "calibrate", keys: ["Shift+Enter"], title: "Calibrate now", group: "Cameras", screens: ["cameras"], when: (s) => now().session !== null && !running(s, now().session), foot: 4, hint: () => "calibrate now", run: () => void calibrate() },
   { id: "ball-point", keys: ["P"], title: "Point at the control balls, or look at the verdict", group: "Cameras", screens: ["cameras"], when: () => now().control !== null, foot: 5, hint: () => (now().pointing ? "the verdict" : "point at the balls"), run: () => put({ pointing: !now().pointing }) },
   { id: "ball-spot", keys: ["Space"], title: "Point at the white spot that is chosen", group: "Cameras", screens: ["cameras"], when: () => balls() && now().spot >= 0 && !now().spent, foot: 0, hint: () => `${now().point} is at the square`, run: pointAtSpot },
   { id: "ball-spot-next", keys: ["."], title: "Next white spot", group: "Cameras", screens: ["cameras"], when: balls, fits: unsaid, foot: 3, hint: () => "next white spot", run: () => stepSpot(1) },

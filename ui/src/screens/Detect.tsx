@@ -28,7 +28,7 @@ export function Detect(): React.JSX.Element {
   if (!t) return <Unshown title="Detect" />;
   const shown = t.large ? t.about.cameras.filter((c) => c.name === t.large) : t.about.cameras;
   return (
-    <div className={styles.screen} data-frame={t.frame} data-found={t.found.length ? "yes" : "no"}>
+    <div className={styles.screen} data-frame={t.frame} data-found={t.found.length === t.about.cameras.length ? "yes" : "no"}>
       <section className={styles.left} aria-label="Images">
         <div className={styles.tiles} style={{ "--columns": Math.ceil(Math.sqrt(shown.length)) } as React.CSSProperties}>
           {shown.map((c) => <Tile key={c.name} name={c.name} />)}
@@ -56,9 +56,10 @@ function Tile({ name }: { name: string }): React.JSX.Element {
     d.setMasks(name, [...d.masksOf(t, name), [[l, o], [r, o], [r, u], [l, u]]]);
   };
   return (
-    <section className={styles.tile} aria-label={name} data-markers={n} data-refused={refused}>
+    <section className={styles.tile} aria-label={name} data-markers={found ? n : ""} data-refused={refused}>
       <header>
         <b>{name}</b>
+        {!found && <span className="soft">{t.about.learned ? "learning from its recording …" : "…"}</span>}
         {found && <span>{many(n, "marker")}{refused > 0 && `, ${refused} refused`}</span>}
         {found?.ground && <span className={styles.ground} title="The static ground of this camera is subtracted before">ground subtracted</span>}
         <button type="button" className={styles.size} aria-label={t.large ? "All cameras" : `${name} alone`} title={t.large ? "All cameras" : `${name} alone`} onClick={() => d.showLarge(t.large ? null : name)}>{t.large ? <Minimize2 size={14} aria-hidden /> : <Maximize2 size={14} aria-hidden />}</button>
@@ -151,14 +152,14 @@ function Flag({ t, p }: { t: d.Tried; p: DetectParameter }): React.JSX.Element {
 
 /** A number: what is stated, or else what was learned, which is shown as such. */
 function Figure({ t, p }: { t: d.Tried; p: DetectParameter }): React.JSX.Element {
-  const value = d.valueOf(t, p.name) as number | null, used = d.usedOf(t, p.name), now = value ?? used ?? 0, words = WORDS[p.name] ?? p.name;
+  const value = d.valueOf(t, p.name) as number | null, used = d.usedOf(t, p.name), known = value ?? used, now = known ?? 0, words = WORDS[p.name] ?? p.name;
   const step = p.whole ? 1 : p.name === "threshold" ? 1 : 0.1, least = p.low ?? 0, most = Math.max(MOST[p.name] ?? 100, now);
   const change = (n: number): void => (Number.isFinite(n) ? d.tryValue(p.name, Math.min(p.high === null ? n : Math.min(n, p.high === 255 ? 254 : p.high), Math.max(least, n))) : undefined);
   return (
     <div className={styles.figure} title={p.meaning} data-parameter={p.name} data-open={value === null ? "yes" : "no"}>
       <span>{words}</span>
       <input type="range" aria-label={`${words}, slider`} min={least} max={most} step={step} value={now} onChange={(e) => change(e.target.valueAsNumber)} />
-      <input type="number" className="field number" aria-label={value === null ? `${words}, left open` : words} min={least} max={p.high ?? undefined} step={step} value={round(now)} onChange={(e) => change(e.target.valueAsNumber)} />
+      <input type="number" className="field number" aria-label={value === null ? `${words}, left open` : words} min={least} max={p.high ?? undefined} step={step} value={known === null ? "" : round(known)} onChange={(e) => change(e.target.valueAsNumber)} />
       <button type="button" className="icon-button" aria-label={`${words}: leave it open`} title={t.of ? "As for all cameras" : "Leave it open"} disabled={value === null} onClick={() => d.tryValue(p.name, null)}><RotateCcw size={13} aria-hidden /></button>
     </div>
   );

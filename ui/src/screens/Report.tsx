@@ -16,7 +16,7 @@ export function Report(): React.JSX.Element {
         <h1>{header ? `Report of ${header.name}` : "Report"}</h1>
         {header?.stale && <p className={styles.stale}>{header.stale}</p>}
         {there && <button type="button" className="button" onClick={print}><ExternalLink size={14} aria-hidden />Alone, to print<kbd>⇧ P</kbd></button>}
-        {there && <button type="button" className="button" disabled={!id || busy > 0} onClick={() => void writePdf()}><FileDown size={14} aria-hidden />PDF<kbd>P</kbd></button>}
+        {there && <button type="button" className="button" disabled={!id || busy > 0} onClick={() => void writePdf()}><FileDown size={14} aria-hidden />PDF{header && <kbd>P</kbd>}</button>}
       </header>
       {id && there && <iframe className={styles.frame} src={reportAddress(id)} title={`Report of ${header?.name ?? "the trial"}`} sandbox="allow-scripts" />}
       {!there && <p className={styles.none}>{stands?.words}</p>}

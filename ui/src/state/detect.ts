@@ -40,14 +40,19 @@ export async function loadDetect(id: string): Promise<void> {
 
 let timer = 0, asked = 0;
 
-/** What is found now, with what is tried. */
+/** What is found now, with what is tried. At first a camera at a time: what is learned from its recording takes a second. */
 async function look(): Promise<void> {
   const { id, detect: t } = get();
   if (!id || !t) return;
-  const number = ++asked, got = await tried(() => api.detectFrame(id, t.frame, t.draft as DetectDraft));
-  if (got && number === asked && get().id === id) put({ found: got.cameras });
+  const number = ++asked, mine = (): boolean => number === asked && get().id === id;
+  const names = t.about.cameras.map((c) => c.name), whole = names.every((name) => t.found.some((c) => c.name === name));
+  for (const some of whole ? [[]] : names.map((name) => [name])) {
+    const got = await tried(() => api.detectFrame(id, t.frame, t.draft as DetectDraft, some));
+    if (!got || !mine()) return;
+    put({ found: [...detect()!.found.filter((c) => !got.cameras.some((one) => one.name === c.name)), ...got.cameras] });
+  }
   const why = detect()?.why;
-  if (got && why && number === asked) void ask(why.camera, why.u, why.v);
+  if (why) void ask(why.camera, why.u, why.v);
 }
 
 function soon(): void {
@@ -74,7 +79,7 @@ export function valueOf(t: Tried, name: string, of = t.of): Value {
 
 /** With what it was used in the camera that is looked at, or the first one. */
 export const usedOf = (t: Tried, name: string): number | null => foundOf(t, t.of ?? t.large)?.limits[name] ?? null;
-export const foundOf = (t: Tried, camera: string | null): CameraFound | undefined => t.found.find((c) => c.name === camera) ?? t.found[0];
+export const foundOf = (t: Tried, camera: string | null): CameraFound | undefined => t.found.find((c) => c.name === (camera ?? t.about.cameras[0]?.name));
 
 export function tryValue(name: string, value: Value): void {
   const t = detect();

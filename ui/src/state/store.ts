@@ -146,6 +146,8 @@ export const set = useStore.setState;
 export const still = (): boolean =>
   new URLSearchParams(location.search).has("still") || matchMedia("(prefers-reduced-motion: reduce)").matches;
 
+/** Whether it runs or is calibrated now; what is begun twice is refused. */
+export const running = (s: State, id: string | null): boolean => id !== null && s.jobs[id]?.state === "running";
 /** Whether what is looked at is a file of trajectories, without images and recordings. */
 export const ofFile = (s: State): boolean => (s.header ? s.header.session_id === null : !s.runs);
 /** What views show: what is selected, else all that a problem of all markers is about. */

@@ -48,11 +48,12 @@ def detection(opened: OpenDetection, place: Place) -> m.Detection:
     )  # fmt: skip
 
 
-def found_in(opened: OpenDetection, frame: int, said: m.DetectDraft) -> m.DetectFrame:
-    """What is found in a frame, in every camera; raises a KinemarkError where the draft says what cannot be."""
-    draft = draft_of(said)
+def found_in(opened: OpenDetection, body: m.DetectFrameBody) -> m.DetectFrame:
+    """What is found in a frame; raises a KinemarkError where there is no such camera, or it says what cannot be."""
+    draft = draft_of(body.draft)
     opened.methods(draft)
-    return m.DetectFrame(frame=frame, cameras=[_camera(opened, name, frame, draft) for name in opened.sources])
+    names = body.cameras or list(opened.sources)
+    return m.DetectFrame(frame=body.frame, cameras=[_camera(opened, name, body.frame, draft) for name in names])
 
 
 def why_there(opened: OpenDetection, body: m.WhyBody) -> m.PlaceWhy:

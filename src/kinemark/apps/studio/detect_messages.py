@@ -75,9 +75,10 @@ class DetectDraft(Message):
 
 
 class DetectFrameBody(Message):
-    """A frame, and what is tried in it."""
+    """A frame, and what is tried in it; in all cameras where none is named."""
 
     frame: int
+    cameras: list[Name] = Field(default_factory=list)
     draft: DetectDraft = DetectDraft()
 
 

@@ -64,7 +64,7 @@ def get_detection(opened: Opened, place: ThePlace) -> m.Detection:
 @router.post("/detect/frame")
 def post_frame(opened: Opened, body: m.DetectFrameBody) -> m.DetectFrame:
     """What would be found in a frame; nothing is written."""
-    return found_in(opened, body.frame, body.draft)
+    return found_in(opened, body)
 
 
 @router.post("/detect/why")

@@ -28,6 +28,14 @@ MOST_JOBS = 50
 """Runs that are remembered; chosen."""
 
 
+def _waits_for(busy: Place, wanted: Place) -> str:
+    """Why a job is not begun while another of its session goes on."""
+    already = " already" if busy == wanted else ""
+    if busy.trial is None:
+        return f"The cameras of this session are being calibrated{already}. Wait until that is done."
+    return f"{busy.trial} of this session is running{already}. Wait for it, or cancel it."
+
+
 class Live:
     """Tells all open pages; and runs trials, one at a time of a session."""
 
@@ -78,8 +86,8 @@ class Live:
     def _start(self, key: str, place: Place, job: Job) -> m.Job:
         """One job at a time of a session."""
         with self._lock:
-            if any(other.path == place.path for other, _ in self._running.values()):
-                raise KinemarkError("A trial of this session is running. Wait for it, or cancel it.")
+            if busy := [other for other, _ in self._running.values() if other.path == place.path]:
+                raise KinemarkError(_waits_for(busy[0], place))
             number = str(next(self._numbers))
             started = job.start()
             self._running[number] = place, started

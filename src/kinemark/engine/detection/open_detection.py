@@ -160,6 +160,7 @@ class OpenDetection:
         self._excerpt, self.operated = entry.frames, entry.answers is not None
         self._exact: dict[str, ExactImages] = {}
         self._locks = {name: threading.Lock() for name in self.sources}
+        self._learning = {name: threading.Lock() for name in self.sources}
         self._learned: dict[tuple[str, Method], _Learned] = {}
         self._recordings: dict[str, _Remembered] = {}
 
@@ -258,19 +259,21 @@ class OpenDetection:
         return candidate if learned is None else combined_masks(candidate, learned)
 
     def _of_camera(self, camera: str, method: Method) -> _Learned:
-        """The method with what it leaves open, learned once."""
+        """The method with what it leaves open, learned once, however many ask for it meanwhile."""
         key = camera, method
         if self.operated and isinstance(method, Centroids):
             fields = 0.5 if self.sources[camera].interlaced else 1.0
             return _Learned(replace(method, aspect=method.aspect or fields), None)
-        if key not in self._learned:
-            source = self._recording(camera)
-            found, ground = for_camera(method, source)
-            ready, _ = levels_of(found, source, ground)
-            self._learned[key] = _Learned(ready, ground)
-            while len(self._learned) > KEPT:
-                self._learned.pop(next(iter(self._learned)), None)
-        return self._learned[key]
+        with self._learning[camera]:
+            learned = self._learned.get(key)
+            if learned is None:
+                source = self._recording(camera)
+                found, ground = for_camera(method, source)
+                ready, _ = levels_of(found, source, ground)
+                self._learned[key] = learned = _Learned(ready, ground)
+        while len(self._learned) > KEPT:
+            self._learned.pop(next(iter(self._learned)), None)
+        return learned
 
     def _recording(self, camera: str) -> _Remembered:
         """The stretch that a run would learn from."""

@@ -17,11 +17,10 @@ from ...data.typed import typed
 from ...io.control_points import PointedPoints, write_pointed
 from ...io.um2as import read_msr
 from ...report.words.first_session import HEAD, question_text, reason_text
-from ..session_name import FILE
+from ..session_name import FILE, MARK
 from .calibration_way import UNITLESS
 from .proposal import FoundRecording, Role, SessionProposal
 
-MARK = "?"
 MEASURED = ".msr"
 """The ending of UM²AS's measured places of control balls."""
 

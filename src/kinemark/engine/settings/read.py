@@ -19,6 +19,7 @@ from ...data import KinemarkError
 from ...data.nearest_word import are, guess, some_names
 from ...data.typed import typed
 from ...io.toml_text import toml_table
+from ..session_name import MARK
 from .calibration_table import WAYS
 from .method_tables import SETTABLE
 from .session_file import Settings
@@ -140,7 +141,8 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
                 f"{path} is not there. {_nearby(path)} one from your recordings: kinemark init "
                 f"{typed(path.parent)}, or one to look at: kinemark simulate FOLDER"
             )
-        return Settings.model_validate(_with(toml_table(path.read_text("utf-8-sig"), str(path)), overrides))
+        text = path.read_text("utf-8-sig")
+        return Settings.model_validate(_with(toml_table(text, str(path)), overrides))
     except UnicodeDecodeError as error:
         raise KinemarkError(f"{path} is not UTF-8 text: {error.reason}. {ADVICE}") from error
     except OSError as error:
@@ -154,8 +156,15 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
         beside = f" with {', '.join(overrides)}" if overrides else ""
         raise KinemarkError(
             f"{path}{beside} has settings that are not understood:\n{lines}\n"
-            "Correct these; kinemark schema has all keys."
+            f"Correct these; kinemark schema has all keys.{_wanted(text)}"
         ) from error
+
+
+def _wanted(text: str) -> str:
+    """What a first session file has not been told yet, which may be all that is wrong with it."""
+    lines = [line for line in text.splitlines() if line.startswith(f"# {MARK} ")]
+    keys = some_names([line.split("=")[0][3:].strip() for line in lines])
+    return f" The lines that begin with # {MARK} want a value, and are read without this mark: {keys}." if lines else ""
 
 
 def _with(table: dict[str, Any], overrides: Sequence[str]) -> dict[str, Any]:

@@ -54,6 +54,13 @@ def on_frames(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Ana
     whole = k * rate
     if all(abs(a.rate - whole) <= SAME_RATE * whole for a in analog):
         whole = analog[0].rate  # as the source states it
+    if (
+        len(analog) == 1
+        and analog[0].rate == whole
+        and analog[0].start == 0
+        and analog[0].values.shape[1] == k * n_frames
+    ):
+        return analog[0], ()  # as it is, without a copy of what may be most of a file
     laid = [_on_clock(a, whole, k * n_frames) for a in analog]
     names = tuple(name for a in analog for name in a.names)
     units = tuple(unit for a in analog for unit in a.units)

@@ -194,8 +194,9 @@ def _with_data(doc: C3D, layout: Layout, raw: NDArray[np.uint8]) -> C3D:
     frames = numbers.reshape(f, layout.width)
     points = frames[:, : 4 * m].reshape(f, m, 4)
     xyz = points[..., :3].astype(np.float64)
-    analog = frames[:, 4 * m :].reshape(f, s, a).transpose(2, 0, 1).reshape(a, f * s)
+    analog = frames[:, 4 * m :].reshape(f, s, a)
     if not doc.floats:
         xyz *= doc.scale
         analog = analog.view(np.uint16) if has_unsigned_analog(doc) else analog
-    return replace(doc, points=xyz, word=points[..., 3], analog=analog, samples=s)
+    channels = analog.transpose(2, 0, 1).astype(np.float64, order="C").reshape(a, f * s)
+    return replace(doc, points=xyz, word=points[..., 3], analog=channels, samples=s)

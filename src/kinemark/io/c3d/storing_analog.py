@@ -14,7 +14,7 @@ from .parameter_tables import matched, rows_from, with_descriptions, with_number
 from .parameters import Parameter
 from .points import mm_per_unit
 from .storing_points import FULL_SCALE
-from .to_trial import analog_names, analog_of, analog_scaling, plates_of
+from .to_trial import analog_names, analog_scaling, channels_of, plates_of
 
 
 def with_analog(doc: C3D, source: C3D, analog: Analog | None, *, shift: int, floats: bool) -> C3D:
@@ -37,7 +37,9 @@ def with_analog(doc: C3D, source: C3D, analog: Analog | None, *, shift: int, flo
     factor, offset = (rows_from(a, rows, x) for a, x in zip(analog_scaling(source), (1.0, 0.0), strict=True))
     raw, kept = _kept(analog, source, rows, shift, samples)
     factor[(factor == 0) & ~kept.all(1)] = 1.0
-    for k, channel in enumerate(raw):  # one by one: all at once take several times the file's memory
+    for k, channel in enumerate(
+        raw if raw is not source.analog else ()
+    ):  # one by one: all at once take several times the file's memory
         with np.errstate(invalid="ignore", divide="ignore"):
             np.copyto(channel, analog.values[k] / factor[k] + offset[k], where=~kept[k])
         channel[:] = channel.astype(np.float32) if floats else channel
@@ -51,18 +53,26 @@ def with_analog(doc: C3D, source: C3D, analog: Analog | None, *, shift: int, flo
 
 
 def _kept(analog: Analog, source: C3D, rows: list[int], shift: int, samples: int) -> tuple[Floats, Bools]:
-    """Raw numbers (A, N) of the source, and where its values are those of the trial, so that they stand."""
-    old, raw = analog_of(source), np.zeros(analog.values.shape)
-    kept = np.zeros(raw.shape, np.bool_)
-    if old is None or samples != source.samples:
-        return raw, kept
-    at = np.arange(analog.values.shape[1]) + shift * samples
-    there = np.flatnonzero((at >= 0) & (at < old.values.shape[1]))
+    """Raw numbers (A, N) of the source, and where its values are those of the trial, so that they stand.
+
+    Where all stand they are the source's own, without a copy of what may be most of a file.
+    """
+    n, had = analog.values.shape[1], source.analog.shape[1]
+    kept = np.zeros(analog.values.shape, np.bool_)
+    if samples != source.samples:
+        return np.zeros(kept.shape), kept
+    low, high = (min(max(at, 0), n) for at in (-shift * samples, had - shift * samples))
+    there, old = slice(low, high), slice(low + shift * samples, high + shift * samples)
+    for row, values in enumerate(channels_of(source)):
+        for i in (k for k, of in enumerate(rows) if of == row):
+            new, was = analog.values[i, there], values[old]
+            kept[i, there] = (new == was) | (np.isnan(new) & np.isnan(was))
+    if kept.all() and n == had and rows == list(range(len(source.analog))):
+        return source.analog, kept
+    raw = np.zeros(kept.shape)
     for i, row in enumerate(rows):
         if row >= 0:
-            new, was = analog.values[i, there], old.values[row, at[there]]
-            kept[i, there] = (new == was) | (np.isnan(new) & np.isnan(was))
-            raw[i, there] = source.analog[row, at[there]]
+            raw[i, there] = source.analog[row, old]
     return raw, kept
 
 
@@ -75,7 +85,7 @@ def _integers(analog: Analog, raw: Floats, source: C3D, factor: Floats, offset: 
     odd = (counts < least).any(1) | (counts > least + 65535).any(1) | ~kept.any(1)
     if source.floats:
         odd |= (raw != counts).any(1)
-    most = np.abs(np.nan_to_num(analog.values)).max(1, initial=0.0) / FULL_SCALE
+    most = np.array([np.abs(np.nan_to_num(one)).max(initial=0.0) for one in analog.values]) / FULL_SCALE
     factor[odd] = (np.where(most > 0, most, 1.0) / general).astype(np.float32)[odd] * general
     offset[odd] = 32768.0 if unsigned else 0.0
     counts[odd] = np.rint(analog.values[odd] / factor[odd, None] + offset[odd, None])

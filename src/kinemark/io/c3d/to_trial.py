@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -104,29 +104,35 @@ def analog_of(doc: C3D) -> Analog | None:
     n = len(doc.analog)
     if not n or not doc.samples:
         return None
-    factor, offset = analog_scaling(doc)
-    units = (*doc.texts("ANALOG", "UNITS"), *[""] * n)[:n]
-    with np.errstate(invalid="ignore", over="ignore"):  # a damaged file may hold any number
-        values = (np.where(marked(doc), np.nan, doc.analog) - offset[:, None]) * factor[:, None]
+    units, values = (*doc.texts("ANALOG", "UNITS"), *[""] * n)[:n], np.empty(doc.analog.shape)
+    for channel, own in zip(values, channels_of(doc), strict=True):
+        channel[:] = own
     return Analog(analog_names(doc), units, doc.rate * doc.samples, values)
+
+
+def channels_of(doc: C3D) -> Iterator[Floats]:
+    """(N) each channel in its unit, one by one: all at once take several times the file's memory."""
+    for raw, factor, offset in zip(doc.analog, *analog_scaling(doc), strict=True):
+        with np.errstate(invalid="ignore", over="ignore"):  # a damaged file may hold any number
+            yield (np.where(_marked(doc, raw), np.nan, raw) - offset) * factor
 
 
 def _about_marks(doc: C3D) -> tuple[str, ...]:
     """What is said of marked samples."""
-    counts = marked(doc).sum(1)
+    counts = np.array([_marked(doc, raw).sum() for raw in doc.analog], int)
     names = [name for name, n in zip(analog_names(doc), counts, strict=True) if n]
     return (f"analog: {counts.sum()} samples of {', '.join(names)} are −32 768 and count as missing",) if names else ()
 
 
-def marked(doc: C3D) -> Bools:
-    """(A, N) samples of signed integers that are −32 768 where all others of their channel are far from it.
+def _marked(doc: C3D, channel: Floats) -> Bools:
+    """(N) samples of signed integers that are −32 768 where all others of their channel are far from it.
 
     A signal that is clipped comes near to the end of the range before; a mark for what was not sampled stands alone.
     """
     if doc.floats or has_unsigned_analog(doc):
-        return np.zeros(doc.analog.shape, np.bool_)
-    least = doc.analog == HALF
-    others = np.where(least, np.inf, doc.analog).min(1, initial=np.inf, keepdims=True)
+        return np.zeros(channel.shape, np.bool_)
+    least = channel == HALF
+    others = np.where(least, np.inf, channel).min(initial=np.inf)
     return np.asarray(least & (others > HALF // 2) & (others < np.inf))
 
 

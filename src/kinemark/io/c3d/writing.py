@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -29,9 +31,9 @@ def write_document(path: Path | str, doc: C3D) -> None:
         ValueError: the document holds what C3D cannot.
         KinemarkError: the file cannot be written.
     """
-    raw = encode_document(doc)
-    with replacing(path) as beside:
-        beside.write_bytes(raw)
+    pieces = _pieces(doc)
+    with replacing(path) as beside, beside.open("wb") as file:
+        file.writelines(pieces)
 
 
 def encode_document(doc: C3D) -> bytes:
@@ -40,6 +42,11 @@ def encode_document(doc: C3D) -> bytes:
     Raises:
         ValueError: there are more points, channels, samples or frames than the format counts.
     """
+    return b"".join(_pieces(doc))
+
+
+def _pieces(doc: C3D) -> Iterable[bytes]:
+    """The bytes of the file, some frames after the others."""
     layout = _layout(doc)
     m = layout.points
     if not (
@@ -47,15 +54,17 @@ def encode_document(doc: C3D) -> bytes:
     ):
         raise ValueError(f"C3D holds 65 535 points, channels and samples a frame, found {layout}")
     data, behind = _encode_data(doc), [_in_blocks(encode_rotations(doc)), _in_blocks(doc.sample_table)]
+    size, rest = layout.frames * layout.width * (4 if doc.floats else 2), b""
     # Where there are many frames, some readers count them by the size of the file.
     if any(behind) or (layout.first_frame + layout.frames <= 65535 and not doc.tail):
-        data = _in_blocks(data)
-    if not _counts_agree(doc, layout, len(data) + (0 if any(behind) else len(doc.tail))):
+        rest = bytes(-size % BLOCK)
+        size += len(rest)
+    if not _counts_agree(doc, layout, size + (0 if any(behind) else len(doc.tail))):
         doc = with_counts(doc)
-    blocks = len(data) // BLOCK
+    blocks = size // BLOCK
     doc, section = _placed(doc, (blocks, blocks + len(behind[0]) // BLOCK))
     spare = bytes((doc.data_block - 1) * BLOCK - BLOCK - len(section))
-    return b"".join([encode_header(_header(doc, layout), doc.order), section, spare, data, *behind, doc.tail])
+    return chain([encode_header(_header(doc, layout), doc.order), section, spare], data, [rest, *behind, doc.tail])
 
 
 def _header(doc: C3D, layout: Layout) -> C3DHeader:
@@ -144,8 +153,9 @@ def _placed(doc: C3D, blocks: tuple[int, int]) -> tuple[C3D, bytes]:
     return moved, bytes([1, 0x50, min(moved.data_block - 2, 255), doc.order]) + body
 
 
-def _encode_data(doc: C3D) -> bytes:
-    return b"".join(_encode_frames(doc, slice(k, k + AT_ONCE)) for k in range(0, len(doc.points), AT_ONCE))
+def _encode_data(doc: C3D) -> Iterator[bytes]:
+    """The frames, some at a time: all at once take the file's memory twice."""
+    return (_encode_frames(doc, slice(k, k + AT_ONCE)) for k in range(0, len(doc.points), AT_ONCE))
 
 
 def _encode_frames(doc: C3D, at: slice) -> bytes:

@@ -86,6 +86,12 @@ def test_a_residual_that_jumps_is_another_marker_s_image_in_place_of_one_that_is
     assert not Meeting(away, shaken=1.2).beyond()
 
 
+def test_images_of_a_marker_that_are_off_for_a_while_beside_its_stretch_are_no_other_marker_s():
+    """By 1.5 px, ten times the noise, and within the gate."""
+    off = np.where(np.isin(np.arange(FRAMES), SHORT), 0.0, 1.5)
+    assert not Meeting(off).beyond()
+
+
 @pytest.mark.parametrize(("more", "judged"), [(30, True), (42, False)])
 def test_long_stretches_tell_by_themselves(more, judged):
     frames = np.arange(SHORT[0] - more // 2, SHORT[-1] + 1 + more - more // 2)

@@ -6,7 +6,7 @@ the frames of the track are those in which they drift least, and a short one doe
 as the track would have gone on with them otherwise.
 
 The residuals of a stretch of points of two images of the same cameras, together with those of up to BEYOND before and
-after it in which both images go on, without a jump of more than the gate, are judged by (2) of `drifting_pairs`, in the
+after it in which both images go on, without a jump of more than JUMP, are judged by (2) of `drifting_pairs`, in the
 same blocks. Where their sum is above CERTAIN, all points of the stretch are given up, if there are fewer than LONG.
 Tracks with points of SOUND images are mostly markers, which the calibration may keep as far apart beyond the stretch as
 in it. So of them only what changes tells: the square of the median of e − m of the stretch is added to L_0.
@@ -44,6 +44,10 @@ LOOK = 12
 
 CERTAIN = float(np.log(100.0))
 """Two markers are then a hundred times likelier than one; chosen: see docs/theory/tracking-ghosts.md."""
+
+JUMP = 3.0
+"""Standard deviations of noise alone by which e changes from frame to frame at most; chosen: what drifts is smooth, and
+an image that a lamp or a limb moves is not (see docs/theory/tracking-ghosts.md)."""
 
 REACH, LEAST_REACH = 3.0, 1.5
 """Standard deviations of (1) of `image_chains` within which an image goes on, as the stretch itself has them, and of
@@ -117,7 +121,7 @@ def _medians(one: _Stretches, usual: Usual) -> Floats:
 
 def _totals(one: _Stretches, usual: Usual, r: float, gate: float, most: int) -> Floats:
     """(N) the sum of the scores of each of the stretches that are judged, by its own L (N, DEGREES); or 0."""
-    parts = [(one.of, one.frame, one.detection), *_beyond(one, r, gate, most)]
+    parts = [(one.of, one.frame, one.detection), *_beyond(one, usual, r, most)]
     goes_on = np.isin(np.arange(len(one.first)), np.concatenate([stretch for stretch, _, _ in parts[1:]]))
     stretch, frame = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
     order = np.lexsort([frame, stretch])
@@ -131,7 +135,7 @@ def _totals(one: _Stretches, usual: Usual, r: float, gate: float, most: int) -> 
     return np.where(goes_on, total, 0.0)
 
 
-def _beyond(one: _Stretches, r: float, gate: float, most: int) -> Iterator[tuple[Ints, Ints, Ints]]:
+def _beyond(one: _Stretches, usual: Usual, r: float, most: int) -> Iterator[tuple[Ints, Ints, Ints]]:
     """Stretch (K), frame (K) and detections (2, K) in which both images of a stretch go on, after it and before it."""
     reach, near = [_reach(one, detection) for detection in one.detection], _near_others(one, r)
     for step, end in ((1, one.last), (-1, one.first)):
@@ -139,15 +143,15 @@ def _beyond(one: _Stretches, r: float, gate: float, most: int) -> Iterator[tuple
         three = end[some][:, None] - step * np.arange(2, -1, -1)
         each = zip(one.detection, reach, strict=True)
         both = np.array([images_beyond(one.images, d[three], step, px[some], r, most) for d, px in each])
-        on = (both >= 0).all(0) & ~_jumps(one, np.concatenate([one.detection[:, end[some], None], both], 2), gate)
+        on = (both >= 0).all(0) & ~_jumps(one, np.concatenate([one.detection[:, end[some], None], both], 2), usual)
         which, k = np.nonzero(np.logical_and.accumulate(on, axis=1))
         yield some[which], one.frame[end[some[which]]] + step * (k + 1), both[:, which, k]
 
 
-def _jumps(one: _Stretches, detection: Ints, gate: float) -> Bools:
-    """(n, m − 1) whether e changes by more than the gate from one of the detections (2, n, m) to the next."""
-    e, squared = (x.reshape(detection.shape[1:]) for x in one.residual(detection.reshape(2, -1)))
-    return np.abs(np.diff(e, axis=1)) > gate * np.sqrt(squared[:, :1])
+def _jumps(one: _Stretches, detection: Ints, usual: Usual) -> Bools:
+    """(n, m − 1) whether e changes by more than JUMP from one of the detections (2, n, m) to the next."""
+    e = one.residual(detection.reshape(2, -1))[0].reshape(detection.shape[1:])
+    return np.asarray(np.abs(np.diff(e, axis=1)) > JUMP * np.sqrt(2 * usual.factor * usual.white))
 
 
 def _has_three(one: _Stretches, end: Ints, step: int) -> Bools:

@@ -39,7 +39,17 @@ from .completion import completed
 from .direction import from_other_end, looks_alike
 from .few_poses import first_poses, shared_frames, thinned
 from .film_delays import InTime, WandFit, with_delays
-from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, read_wand, wanted, wrong_gaps
+from .identify import (
+    FEWEST,
+    Wanted,
+    at_rows,
+    identify_wand,
+    marker_places,
+    read_wand,
+    wanted,
+    with_open_ends,
+    wrong_gaps,
+)
 from .moved_camera import THIRDS, rigs_of_parts, since_step, step_words, without_move
 from .whole_film import with_lost_images
 
@@ -184,7 +194,8 @@ def _synchronous(
         rows = np.where(turned[:, None], rows[..., ::-1], rows)
     first = _rig_of(known, len(along)) if known else _first_rig(detections, rows, sizes, along, method, lenses)
     fit, chosen = _calibrated(detections, want, rows, sizes, *first, method, lenses is not None)
-    fit = fit._replace(step=camera_step(fit.rig, at_rows(detections, rows)[0]))
+    read = with_open_ends(rows, read_wand(detections, want, along).rows, detections, fit.rig.cameras)
+    fit = fit._replace(step=camera_step(fit.rig, at_rows(detections, read)[0]))
     there = fit.xyz[np.isfinite(fit.xyz).all(1)]
     volume = np.stack([there.min(0), there.max(0)])
     words = _words(detections, want, chosen, fit, np.diff(along))

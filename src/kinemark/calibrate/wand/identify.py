@@ -138,7 +138,7 @@ def identify_wand(detections: Detections, want: Wanted, along: Floats, cameras: 
 def with_open_ends(rows: Ints, read: Ints, detections: Detections, cameras: Sequence[Camera]) -> Ints:
     """Rows (C, F, K) with those that were `read` as well but whose ends nothing tells, by the ends that are nearer to
     what the cameras (C) expect: so also images that fit nothing, as those of a camera that was moved."""
-    known = (rows >= 0).all(2)
+    known: Bools = np.asarray((rows >= 0).all(2))
     turned = nearer_ends(at_rows(detections, np.where(known[..., None], rows, read))[0], known, cameras)
     return np.where(known[..., None], rows, np.where(turned[..., None], read[..., ::-1], read))
 

@@ -151,7 +151,8 @@ def _sums(rig: Rig, uv: Floats, B: int) -> _Sums:
             N[b][np.ix_(at, at)] += G[kept].T @ G[kept]
             g[b][at] += G[kept].T @ e[kept]
             squares[b], count[b] = squares[b] + e[kept] @ e[kept], count[b] + len(kept)
-            medians[c, d, b] = medians[d, c, b] = np.median(np.abs(e[block[both] == b]))
+            own = np.abs(e[block[both] == b])
+            medians[c, d, b] = medians[d, c, b] = np.median(own) if len(own) >= FEWEST else np.nan
     return _Sums(N, g, squares, count, medians)
 
 

@@ -1,7 +1,7 @@
 """A camera whose images lie beside where the others see the same from some moment on, or up to it.
 
-A calibration leaves such images out as wrong, and is right for the other side of the moment. With the medians m_b of
-the epipolar distances of camera c and the others, over blocks b of time, the moment t is where
+A calibration leaves such images out as wrong, and is right for the other side of the moment. In blocks b of time, m_b
+is the least of the median epipolar distances of camera c and each of the others. The moment t is where
 
     Σ_b<t (ln m_b − mean)² + Σ_b≥t (ln m_b − mean)²                      (1)
 
@@ -42,24 +42,21 @@ def images_beside(medians: Floats, *, side: int) -> ImagesBeside | None:
 
     Args:
         medians: (C, C, B) px of epipolar distances of two cameras in B blocks of time; NaN where they share too little.
-        side: blocks on each side at least.
+        side: blocks on each side at least, beside the one at t.
     """
-    splits = [_split(_median(own), side) for own in medians]
+    splits = [_split(_least(own), side) for own in medians]
     ratio, t, high = max(splits)
     if ratio < BESIDE:
         return None
     c = [split[0] for split in splits].index(ratio)
-    rest = np.delete(np.delete(medians, c, 0), c, 1)
-    alone = bool(np.isfinite(rest).any()) and _split_at(_median(rest.reshape(-1, rest.shape[2])), t)[0] < BESIDE / 2
+    rest = np.delete(np.delete(medians, c, 0), c, 1).reshape(-1, medians.shape[2])
+    alone = bool(np.isfinite(rest).any()) and _split_at(np.fmax.reduce(rest, axis=0), t)[0] < BESIDE / 2
     return ImagesBeside(c, t, high / OF_OFFSET, alone)
 
 
-def _median(medians: Floats) -> Floats:
+def _least(rows: Floats) -> Floats:
     """(B) of rows (n, B), NaN where all are."""
-    there = np.isfinite(medians).any(0)
-    found = np.full(medians.shape[1], np.nan)
-    found[there] = np.nanmedian(medians[:, there], 0)
-    return found
+    return np.asarray(np.fmin.reduce(rows, axis=0))
 
 
 def _split(m: Floats, side: int) -> tuple[float, int, float]:
@@ -69,9 +66,9 @@ def _split(m: Floats, side: int) -> tuple[float, int, float]:
         sum(np.nan_to_num(np.nanvar(part) * np.isfinite(part).sum(), nan=0.0) for part in (log[:t], log[t:]))
         if all(np.isfinite(part).sum() >= side for part in (log[:t], log[t:]))
         else np.inf
-        for t in range(side, len(m) - side + 1)
+        for t in range(side + 1, len(m) - side)
     ]
-    t = side + int(np.argmin(scatter))
+    t = side + 1 + int(np.argmin(scatter))
     ratio, high = _split_at(m, t) if np.isfinite(min(scatter)) else (0.0, 0.0)
     return ratio, t, high
 
@@ -81,6 +78,8 @@ def _split_at(m: Floats, t: int) -> tuple[float, float]:
     sides = [part[np.isfinite(part)] for part in (np.maximum(m[: t - 1], LEAST), np.maximum(m[t + 1 :], LEAST))]
     if not all(len(part) for part in sides):
         return 0.0, 0.0
-    ratios = [(np.quantile(high, MOST) / low.max(), np.median(high)) for low, high in (sides, sides[::-1])]
+    ratios = [
+        (np.quantile(high, MOST, method="lower") / low.max(), np.median(high)) for low, high in (sides, sides[::-1])
+    ]
     ratio, high = max(ratios)
     return float(ratio), float(high)

@@ -12,12 +12,14 @@ terms and the centre, by the derivatives G of (1), taken where the pixels are co
 
 θ takes up what the adjustment to all poses made of a move. With N_b = Σ GᵀG and g_b = Σ Gᵀe of blocks b of time, (2) is
 solved for each camera and moment by them alone. With N = Σ N_b, S̃ = S − G N⁻¹ GᵀS and A = S̃ᵀS̃, δᵀAδ is by how much
-the squares become less; what makes them least is what is taken. Both of
+the squares become less; what makes them least is what is taken, of moves with great z if there are any. Both of
 
     z₀² = δᵀAδ / 2 s²,    z² = (1 − 1 / m)² δᵀA (Σ_b s_b s_bᵀ)⁻¹ A δ / 2                 (3)
 
 must be great: the one by the noise s of all e, the other by the blocks' scores s_b = Σ S̃ᵀ(e − Gθ − Sδ), as a lens term
 that lacks makes neighbouring images wrong alike (White 1980); m is the lesser number of blocks before and after.
+
+(2) holds for small moves. After a greater one the images may all have been left out (`images_beside`).
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ import pytest
 
 from kinemark.calibrate.bundle import calibrate_points
 from kinemark.calibrate.bundle.camera_step import BLOCKS, CameraStep, camera_step
+from kinemark.calibrate.bundle.images_beside import images_beside
 from kinemark.calibrate.bundle.one_side import from_one_side, uncertain
 from kinemark.calibrate.wand import calibrate_wand, moved_camera
 from kinemark.calibrate.wand.identify import marker_places
@@ -34,10 +35,10 @@ def beside(uv, c, at, px):
     return uv
 
 
-def pushed(seed, px, *, cameras=4, at=FRAMES // 2):
+def pushed(seed, px, *, cameras=4, at=FRAMES // 2, gaps=GAPS):
     """Detections of a wand, the last camera's image px beside from frame `at` on; the sizes of the images."""
     rig = ring(cameras, distortion=LENS)
-    subject = wand(marker_places(GAPS), duration_s=FRAMES / 25, rate=25, seed=seed, volume=rig.volume)
+    subject = wand(marker_places(gaps), duration_s=FRAMES / 25, rate=25, seed=seed, volume=rig.volume)
     seen = observe(rig, subject, noise_px=0.3, seed=seed).detections
     after = (seen.camera == cameras - 1) & (seen.frame >= at)
     moved = Detections.build(
@@ -76,7 +77,29 @@ def test_of_two_cameras_either_may_have_been_moved():
 
 def test_of_few_frames_nothing_is_said():
     rig, uv = images(3, 0)
-    assert camera_step(rig, beside(uv, 0, 50, 9.0)[:, :100]) is None
+    assert camera_step(rig, beside(uv, 0, 25, 9.0)[:, :50]) is None
+
+
+def test_a_move_is_found_in_a_film_of_few_frames():
+    rig, uv = images(3, 0)
+    assert camera_step(rig, beside(uv, 0, 60, (2.0, -1.0))[:, :100]).camera == rig.names[0]
+
+
+@pytest.mark.parametrize("cameras", [2, 4])
+def test_images_that_all_lie_far_beside_are_a_move_where_the_others_fit(cameras):
+    rig, uv = images(cameras, 2)
+    step = camera_step(rig, beside(uv, 1, 160, (60.0, 45.0)))
+    assert (step.camera == rig.names[1] and step.alone) == (cameras == 4)
+    assert abs(step.frame - 160) <= FRAMES / BLOCKS
+
+
+def test_images_beside_are_told_by_blocks_of_time():
+    medians = np.where(np.eye(3, dtype=bool)[..., None], np.nan, np.full((3, 3, 24), 0.2))
+    medians[0, 1:, 15:] = medians[1:, 0, 15:] = 6.0
+    assert images_beside(medians, side=2) == (0, 15, pytest.approx(12.0), True)
+    assert images_beside(medians[:2, :2], side=2)[1:] == (15, pytest.approx(12.0), False)
+    medians[medians > 1] = 0.6  # another part of a lens
+    assert images_beside(medians, side=2) is None
 
 
 def test_strays_are_no_move():
@@ -104,6 +127,13 @@ def test_cameras_are_as_they_stood_after_one_was_moved(px):
     beside = np.abs(fit.rig[3].centre - found.rig[3].centre).max()
     assert beside < 4 * np.sqrt(np.trace(found.rig[3].cov[-3:, -3:]))
     assert np.sqrt((fit.residual[fit.kept] ** 2).mean()) < 0.35  # of 0.3 px
+
+
+def test_a_move_that_leaves_the_ends_of_a_wand_open_is_told():
+    """No fundamental matrix fits both sides of it, so that the images of one side were left out without a word."""
+    moved, sizes = pushed(3, (30.0, 18.0), cameras=2, at=300, gaps=[500.0])
+    fit = calibrate_wand(moved, lengths=[500.0], sizes=sizes)
+    assert abs(fit.step.frame - 300) <= FRAMES / BLOCKS
 
 
 def test_where_too_few_images_follow_the_camera_is_as_uncertain_as_it_was_moved():

@@ -10,6 +10,7 @@ from kinemark.calibrate.bundle import Bundle, calibrate_sticks, from_sizes
 from kinemark.calibrate.bundle.from_sizes import odd_one
 from kinemark.calibrate.bundle.initial import growth
 from kinemark.calibrate.wand import Wand, calibrate_wand, thinned
+from kinemark.calibrate.wand.calibrate import _to_ask
 from kinemark.calibrate.wand.completion import completed
 from kinemark.calibrate.wand.ends import best_signs, pair_evidence
 from kinemark.calibrate.wand.identify import (
@@ -542,3 +543,12 @@ def test_the_bar_of_a_wand_like_a_t_is_read_beside_its_stem(turn):
     across = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     read = read_rows((flat @ across + 300.0)[None], np.array([0.0, 130.0, 390.0]))
     assert read.points[0].tolist() == [0, 1, 2]
+
+
+def test_cameras_of_parts_of_a_film_are_looked_for_also_where_nobody_is_suspect():
+    rows, names = np.zeros((7, 30, 2), np.int64), tuple("abcdefg")
+    rows[2, 10:] = -1
+    assert _to_ask(rows[:3], names[:3], None).tolist() == [0, 1, 2]
+    assert _to_ask(rows, names, None).size == 0  # too many for all
+    asked = _to_ask(rows, names, "f").tolist()
+    assert 5 in asked and 2 not in asked and len(asked) == 5

@@ -245,7 +245,8 @@ def check_calibration(fit: BundleFit, seen: Bools, frame: Ints, *, focus_held: b
                 + (f", and the rest is {camera.residual:.2f} px off. " if lost < 1 else ". ")
                 + (_weak_link(fit.rig.names, seen, frame) or _since(~fit.kept[c, there[c]], frame[there[c]]))
                 + "Check that it is synchronous and did not move, that markers are not mixed up and lengths are right; "
-                "a lens that bends lines strongly needs more lens terms."
+                "a lens that bends lines strongly needs more lens terms.",
+                camera.name,
             )
     sd = np.sqrt([max(camera.cov[0, 0], 0.0) for camera in fit.rig]) / [abs(camera.K[0, 0]) for camera in fit.rig]
     if not focus_held and not sd.max() <= VAGUE:

@@ -12,12 +12,14 @@ terms and the centre, by the derivatives G of (1), taken where the pixels are co
 
 θ takes up what the adjustment to all poses made of a move. With N_b = Σ GᵀG and g_b = Σ Gᵀe of blocks b of time, (2) is
 solved for each camera and moment by them alone. With N = Σ N_b, S̃ = S − G N⁻¹ GᵀS and A = S̃ᵀS̃, δᵀAδ is by how much
-the squares become less; what makes them least is what is taken. Both of
+the squares become less; what makes them least is what is taken, of moves with great z if there are any. Both of
 
     z₀² = δᵀAδ / 2 s²,    z² = (1 − 1 / m)² δᵀA (Σ_b s_b s_bᵀ)⁻¹ A δ / 2                 (3)
 
 must be great: the one by the noise s of all e, the other by the blocks' scores s_b = Σ S̃ᵀ(e − Gθ − Sδ), as a lens term
 that lacks makes neighbouring images wrong alike (White 1980); m is the lesser number of blocks before and after.
+
+(2) holds for small moves. After a greater one the images may all have been left out (`images_beside`).
 """
 
 from __future__ import annotations
@@ -33,9 +35,10 @@ from ...data.array_types import Bools, Floats, Ints
 from ...geometry import lens
 from ...geometry.camera import normalised
 from ...numerics.vectors import homogeneous
+from .images_beside import ImagesBeside, images_beside
 
-BLOCKS = 24
-"""Blocks of time; chosen: in each, some seconds of waving, the wand crosses the images."""
+BLOCKS, LEAST_BLOCKS = 24, 12
+"""Blocks of time, and the least of them; chosen: in each, some seconds of waving, the wand crosses the images."""
 SIDE = 2
 """Blocks before a move and after it at least; chosen: a tripod may be touched when somebody goes to switch off."""
 FEWEST = 5
@@ -84,12 +87,14 @@ class CameraStep(NamedTuple):
 
 
 class _Sums(NamedTuple):
-    """Of B blocks, over C cameras with P = 11 C unknowns: N (B, P, P), g (B, P); squares of all e, and how many."""
+    """Of B blocks, over C cameras with P = 11 C unknowns: N (B, P, P), g (B, P); squares of all e (B), and how many;
+    medians of |e| (C, C, B) px of two cameras."""
 
     N: Floats
     g: Floats
-    squares: float
-    images: int
+    squares: Floats
+    images: Ints
+    medians: Floats
 
 
 class _Move(NamedTuple):
@@ -110,25 +115,34 @@ def camera_step(rig: Rig, uv: Floats) -> CameraStep | None:
         uv: (C, F, K, 2) px; K markers in F frames in order of time, NaN where not seen.
     """
     frames = np.flatnonzero((np.isfinite(uv[..., 0]).sum(0) >= 2).any(1))
-    if len(frames) < BLOCKS * FEWEST:
+    n_blocks = min(BLOCKS, len(frames) // FEWEST)
+    if n_blocks < LEAST_BLOCKS:
         return None
-    sums = _sums(rig, uv[:, frames])
-    moves = [_greatest(sums, c) for c in range(len(rig))]
-    best, second = sorted(moves, key=lambda move: -move.gain)[:2]
-    noise = (sums.squares - best.gain) / max(sums.images, 1)
-    px = float(np.linalg.norm(best.delta))
-    if px < LEAST_PX or best.z < SURE or best.gain < 2 * SURE**2 * noise:  # (3)
+    sums = _sums(rig, uv[:, frames], n_blocks)
+    move = _small(sums, len(rig)) or images_beside(sums.medians, side=SIDE)
+    if move is None or move.px < LEAST_PX:
         return None
-    alone = len(rig) > 2 and best.gain > CLEAR * second.gain
-    before, frame, after = (int(frames[t * len(frames) // BLOCKS]) for t in (best.t - 1, best.t, best.t + 1))
-    return CameraStep(rig.names[best.c], alone, frame, px, before, after)
+    before, frame, after = (int(frames[-(-t * len(frames) // n_blocks)]) for t in (move.t - 1, move.t, move.t + 1))
+    return CameraStep(rig.names[move.c], move.alone, frame, move.px, before, after)
 
 
-def _sums(rig: Rig, uv: Floats) -> _Sums:
+def _small(sums: _Sums, cameras: int) -> ImagesBeside | None:
+    """The move by (2) and (3), or None; of those that are sure by the blocks, the one that makes the squares least."""
+    moves = [_greatest(sums, c) for c in range(cameras)]
+    best, second = sorted(moves, key=lambda move: (-(move.z >= SURE), -move.gain))[:2]
+    noise = (sums.squares.sum() - best.gain) / max(sums.images.sum(), 1)
+    if best.z < SURE or best.gain < 2 * SURE**2 * noise:  # (3)
+        return None
+    alone = cameras > 2 and best.gain > CLEAR * second.gain
+    return ImagesBeside(best.c, best.t, float(np.linalg.norm(best.delta)), alone)
+
+
+def _sums(rig: Rig, uv: Floats, B: int) -> _Sums:
     P, n_frames = UNKNOWNS * len(rig), uv.shape[1]
-    N, g, squares, count = np.zeros((BLOCKS, P, P)), np.zeros((BLOCKS, P)), 0.0, 0
+    N, g, squares, count = np.zeros((B, P, P)), np.zeros((B, P)), np.zeros(B), np.zeros(B, np.int64)
+    medians = np.full((len(rig), len(rig), B), np.nan)
     xy = [lens.undistort(normalised(camera, uv[c]), camera.distortion) for c, camera in enumerate(rig)]
-    block = np.broadcast_to(((np.arange(n_frames) * BLOCKS) // n_frames)[:, None], uv.shape[1:3])
+    block = np.broadcast_to(((np.arange(n_frames) * B) // n_frames)[:, None], uv.shape[1:3])
     for c, d in combinations(range(len(rig)), 2):
         both = np.isfinite(xy[c][..., 0]) & np.isfinite(xy[d][..., 0])
         if not both.any():
@@ -138,8 +152,10 @@ def _sums(rig: Rig, uv: Floats) -> _Sums:
         for b, kept in _blocks(e, block[both]):
             N[b][np.ix_(at, at)] += G[kept].T @ G[kept]
             g[b][at] += G[kept].T @ e[kept]
-            squares, count = squares + float(e[kept] @ e[kept]), count + len(kept)
-    return _Sums(N, g, squares, count)
+            squares[b], count[b] = squares[b] + e[kept] @ e[kept], count[b] + len(kept)
+            own = np.abs(e[block[both] == b])
+            medians[c, d, b] = medians[d, c, b] = np.median(own) if len(own) >= FEWEST else np.nan
+    return _Sums(N, g, squares, count, medians)
 
 
 def _own(c: int) -> Ints:
@@ -191,12 +207,13 @@ def _greatest(sums: _Sums, c: int) -> _Move:
     total = sums.N.sum(0)
     scale = np.sqrt(np.maximum(np.diag(total), FAINT))
     inverse = np.linalg.inv(total / scale[:, None] / scale + FAINT * np.eye(len(total))) / scale[:, None] / scale
-    return max((_move(sums, inverse, c, t) for t in range(SIDE, BLOCKS - SIDE + 1)), key=lambda move: move.gain)
+    moves = (_move(sums, inverse, c, t) for t in range(SIDE, len(sums.N) - SIDE + 1))
+    return max(moves, key=lambda move: (move.z >= SURE, move.gain))
 
 
 def _move(sums: _Sums, inverse: Floats, c: int, t: int) -> _Move:
     """(2) and (3) for camera c and block t."""
-    own, after = _own(c)[:2], np.arange(BLOCKS) >= t
+    own, after = _own(c)[:2], np.arange(len(sums.N)) >= t
     N_S = sums.N[after][:, :, own].sum(0)
     projected = inverse @ N_S
     A = N_S[own] - N_S.T @ projected
@@ -204,7 +221,7 @@ def _move(sums: _Sums, inverse: Floats, c: int, t: int) -> _Move:
     total = sums.g.sum(0)
     delta = np.linalg.solve(A, sums.g[after][:, own].sum(0) - projected.T @ total)
     scores = _scores(sums, inverse @ (total - N_S @ delta), delta, own, after, projected)
-    m = min(t, BLOCKS - t)
+    m = min(t, len(sums.N) - t)
     spread = scores.T @ scores * (m / (m - 1)) ** 2
     z2 = A @ delta @ np.linalg.pinv(spread) @ A @ delta / 2  # (3)
     return _Move(c, t, delta, float(delta @ A @ delta), float(np.sqrt(max(z2, 0.0))))

@@ -246,7 +246,8 @@ def _check_beginning(first: BundleState, uv: Floats) -> None:
             raise NoBeginning(
                 f"Camera {camera.name} does not fit the others: {beside:.0%} of its points lie beside where the others "
                 "see them. Check that it is synchronous and did not move, and that its images are neither mirrored nor "
-                "another camera's; or leave it out."
+                "another camera's; or leave it out.",
+                camera.name,
             )
 
 
@@ -258,5 +259,6 @@ def _check_found(rig: Rig, noise: float) -> None:
             f"Two cameras fit each other within {noise:.2f} px, but all together leave {largest.residual:.2f} px in "
             f"camera {largest.name}: these are not the cameras. Wave through the whole volume, in depth too, and check "
             "the lengths; a lens that bends lines strongly needs more lens terms, or a linearisation; pixels that are "
-            "not square need square_pixels = false in [calibrate]."
+            "not square need square_pixels = false in [calibrate].",
+            largest.name,
         )

@@ -4,7 +4,15 @@ from ...data import KinemarkError
 
 
 class Misfit(KinemarkError):
-    """Cameras do not fit each other: one of them may be late, mirrored, another one's, or have been moved meanwhile."""
+    """Cameras do not fit each other: one of them may be late, mirrored, another one's, or have been moved meanwhile.
+
+    Attributes:
+        camera: the name of the one that fits worst, where it is told.
+    """
+
+    def __init__(self, text: str, camera: str | None = None) -> None:
+        super().__init__(text)
+        self.camera = camera
 
 
 class NoBeginning(Misfit):
@@ -17,6 +25,6 @@ class Mirrored(NoBeginning):
     def __init__(self, camera: str) -> None:
         super().__init__(
             f"Camera {camera} sees the others' points mirrored. Check that its images are neither mirrored nor another "
-            "camera's, that it is synchronous, and the order of its points; or leave it out."
+            "camera's, that it is synchronous, and the order of its points; or leave it out.",
+            camera,
         )
-        self.camera = camera

@@ -39,7 +39,17 @@ from .completion import completed
 from .direction import from_other_end, looks_alike
 from .few_poses import first_poses, shared_frames, thinned
 from .film_delays import InTime, WandFit, with_delays
-from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, read_wand, wanted, wrong_gaps
+from .identify import (
+    FEWEST,
+    Wanted,
+    at_rows,
+    identify_wand,
+    marker_places,
+    read_wand,
+    wanted,
+    with_open_ends,
+    wrong_gaps,
+)
 from .moved_camera import THIRDS, rigs_of_parts, since_step, step_words, without_move
 from .whole_film import with_lost_images
 
@@ -184,11 +194,16 @@ def _synchronous(
         rows = np.where(turned[:, None], rows[..., ::-1], rows)
     first = _rig_of(known, len(along)) if known else _first_rig(detections, rows, sizes, along, method, lenses)
     fit, chosen = _calibrated(detections, want, rows, sizes, *first, method, lenses is not None)
-    fit = fit._replace(step=camera_step(fit.rig, at_rows(detections, rows)[0]))
+    fit = fit._replace(step=_step(fit.rig, detections, rows, read_wand(detections, want, along).rows))
     there = fit.xyz[np.isfinite(fit.xyz).all(1)]
     volume = np.stack([there.min(0), there.max(0)])
     words = _words(detections, want, chosen, fit, np.diff(along))
     return WandFit(fit._replace(rig=Rig(fit.rig.cameras, words, volume)), chosen)
+
+
+def _step(rig: Rig, detections: Detections, rows: Ints, read: Ints) -> CameraStep | None:
+    """A move by rows (C, F, K), and by those that were `read` whose ends nothing tells."""
+    return camera_step(rig, at_rows(detections, with_open_ends(rows, read, detections, rig.cameras))[0])
 
 
 def _calibrated(
@@ -286,7 +301,8 @@ def _check_agreement(detections: Detections, rows: Ints, shared: int) -> None:
     for c in np.flatnonzero(((rows >= 0).sum(2) >= 2).sum(1) < FEWEST):
         raise Misfit(
             f"Camera {detections.cameras[c]} does not agree with the others where the wand is. Check that it is "
-            "synchronised, and that its images are not mirrored or another camera's."
+            "synchronised, and that its images are not mirrored or another camera's.",
+            detections.cameras[c],
         )
 
 
@@ -310,26 +326,32 @@ def _explained(
     if isinstance(error, Mirrored):
         return _Cause(error)
     want = wanted(detections)
-    rows = identify_wand(detections, want, along)
+    rows, reading = identify_wand(detections, want, along), read_wand(detections, want, along)
     uv = at_rows(detections, first_poses(detections, rows, sizes))[0]
     odd = odd_one(detections.cameras, sizes, uv, along=along, method=method.bundle, lenses=lenses)
     parts: Iterable[Rig] = ()
     step = None
-    if (odd or len(sizes) == 2) and not isinstance(error, NoBeginning):
-        few = _beside(rows, detections.cameras.index(odd)) if odd else np.arange(2)
+    few = _to_ask(rows, detections.cameras, odd or error.camera)
+    if len(few) and not isinstance(error, NoBeginning):
         first = partial(_first_cameras, detections, sizes=sizes, along=along, method=method, lenses=lenses, few=few)
         parts = halves = tuple(rigs_of_parts(detections, rows, first))
-        seen = at_rows(detections, rows[few])[0]
-        step = next((found for rig in halves if (found := camera_step(rig, seen))), None)
+        steps = (_step(rig, detections, rows[few], reading.rows[few]) for rig in halves)
+        step = next((found for found in steps if found), None)
         if step is None:
             parts = chain(halves, rigs_of_parts(detections, rows, first, THIRDS))
-    if not (odd or step) and (gaps := wrong_gaps(read_wand(detections, want, along).ratio, along)):
+    if not (odd or step) and (gaps := wrong_gaps(reading.ratio, along)):
         return _Cause(Misfit(gaps))
     return _Cause(Misfit(_misfit_words(str(error), step, odd)), step, parts)
 
 
-def _beside(rows: Ints, c: int) -> Ints:
-    """Camera c, of rows (C, F, K), and the `WITNESSES` that see the wand with it in most frames, in order."""
+def _to_ask(rows: Ints, names: Sequence[str], suspect: str | None) -> Ints:
+    """The suspect, of rows (C, F, K), and the `WITNESSES` that see the wand with it in most frames, in order; where
+    nobody is, all cameras if they are as few, else none."""
+    if len(rows) <= 1 + WITNESSES:
+        return np.arange(len(rows))
+    if suspect is None:
+        return np.arange(0)
+    c = names.index(suspect)
     seen: Bools = np.asarray((rows >= 0).all(2))
     shared = (seen & seen[c]).sum(1)
     shared[c] = rows.shape[1] + 1

@@ -79,6 +79,24 @@ def agreed_ends(uv: Floats, lead: Floats, cameras: Sequence[Camera] | None = Non
     return (sign < 0).T, (support[:, :n] < SURE).T
 
 
+def nearer_ends(uv: Floats, known: Bools, cameras: Sequence[Camera]) -> Bools:
+    """Where markers (C, F, K, 2) px, NaN where not read, are nearer to the epipolar lines of the others in the other
+    order, however far that is; of images whose ends are not `known` (C, F), which are asked camera by camera."""
+    uv = np.stack([undistort(camera, each) for camera, each in zip(cameras, uv, strict=True)])
+    read: Bools = np.asarray(np.isfinite(uv).all((2, 3)))
+    settled, turned = read & known, np.zeros(known.shape, np.bool_)
+    for c in range(len(uv)):
+        gain = np.zeros(uv.shape[1])
+        for d in range(len(uv)):
+            both = read[c] & ~known[c] & settled[d] & (c != d)
+            equal, opposite = _costs(fundamental(cameras[c].P, cameras[d].P), uv[c, both], uv[d, both])
+            gain[both] += equal - opposite
+        turned[c] = gain > 0
+        uv[c] = np.where(turned[c, :, None, None], uv[c, :, ::-1], uv[c])
+        settled[c] = read[c]
+    return turned
+
+
 def pair_evidence(uv1: Floats, uv2: Floats, F: Floats | None = None) -> Floats:
     """(2) of two cameras that see markers (F, K, 2): (F), 0 where one of them does not or nothing is known; by their
     fundamental matrix F of ideal pixels where it is known."""

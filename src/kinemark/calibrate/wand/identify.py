@@ -23,7 +23,7 @@ from ...data import Camera, Detections, KinemarkError
 from ...data.array_types import Bools, Floats, Ints
 from ...numerics.robust import SD_PER_MEDIAN
 from .ends import FEWEST as FEWEST_SHARED
-from .ends import agreed_ends
+from .ends import agreed_ends, nearer_ends
 from .rows import read_rows
 
 STILL = 0.15  # of the frames in which a place shows a point that stands still; chosen (see benchmarks/bundle.py)
@@ -133,6 +133,14 @@ def identify_wand(detections: Detections, want: Wanted, along: Floats, cameras: 
         rows[undecided & (lead < CERTAIN)] = -1
         _check_decided(detections, rows, read)
     return rows
+
+
+def with_open_ends(rows: Ints, read: Ints, detections: Detections, cameras: Sequence[Camera]) -> Ints:
+    """Rows (C, F, K) with those that were `read` as well but whose ends nothing tells, by the ends that are nearer to
+    what the cameras (C) expect: so also images that fit nothing, as those of a camera that was moved."""
+    known: Bools = np.asarray((rows >= 0).all(2))
+    turned = nearer_ends(at_rows(detections, np.where(known[..., None], rows, read))[0], known, cameras)
+    return np.where(known[..., None], rows, np.where(turned[..., None], read[..., ::-1], read))
 
 
 def _still_points(detections: Detections, use: Bools) -> Bools:

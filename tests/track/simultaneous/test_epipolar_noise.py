@@ -93,6 +93,19 @@ def test_a_peak_aside_is_found_where_none_is_at_0(place, sd):
     assert (fit.weight[np.abs(off - place) > 3] < 0.1).all()
 
 
+def test_a_peak_aside_of_two_cameras_beside_others_at_0_is_found_where_each_is_asked_for():
+    rng = np.random.default_rng(1)
+    group, near = np.repeat([0, 1], 2000), rng.random(4000) < 0.3
+    off = np.where(near, 3.5 * group + 0.2 * rng.normal(size=4000), rng.uniform(-WINDOW, WINDOW, 4000))
+    window = np.full(4000, WINDOW)
+    assert not mixture(off, group, 2, window).about.any()
+    fit = mixture(off, group, 2, window, each=True)
+    assert np.sqrt(fit.variance[0]) == pytest.approx(0.2, rel=0.15)
+    assert fit.about[0] == 0
+    assert fit.about[1] == pytest.approx(3.5, abs=0.5)
+    assert peaked(fit).all()
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_chance_alone_has_no_peak(seed):
     off = np.random.default_rng(seed).uniform(-WINDOW, WINDOW, 1000)

@@ -26,7 +26,8 @@ some places than in others has the mean of its v, which its images need, and not
 counts up to MOST_FACTOR. No image is grouped, no camera needs another's noise first, and two cameras suffice.
 
 With two cameras, many markers and a calibration that is off, no peak may be seen at 0. Where that is so in all pairs of
-cameras, and residuals are clearly densest elsewhere, (3) is about that place, whose square is added to v (5).
+cameras, and residuals are clearly densest elsewhere, (3) is about that place, whose square is added to v (5). Where a
+rig is adjusted, so is (3) of each two cameras for which that is likelier: those of others may be at 0.
 
 Pairs of images that meet by chance lie anywhere beside each other's lines, those of one marker in a heap of the width
 of their noise, beside them by what the calibration is off. Who stands, or moves slowly, leaves such pairs where they
@@ -244,14 +245,15 @@ def _heap_scale(some: Residuals, C: int) -> float:
     return float(np.clip(HEAP_SD * sd[(fit.number[ok] / sd).argmax()] / HEAP, 1.0, WIDEST))
 
 
-def mixture(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
+def mixture(off: Floats, group: Ints, n: int, window: Floats, *, each: bool = False) -> Mixture:
     """(3) of residuals (H) px in n groups (H), each within its window (H) px; where none has a peak at 0, about those
-    that they have elsewhere."""
-    usual = _likeliest(off, group, n, window)
-    if peaked(usual).any() or not (aside := _peak_aside(off, group, n)).any():
+    that they have elsewhere; with `each`, each that is SURE likelier so, whatever others have (5)."""
+    usual, said = _likeliest(off, group, n, window)
+    none = not peaked(usual).any()
+    if not (none or each) or not (aside := _peak_aside(off, group, n)).any():
         return usual
-    other, _ = _mixture(off - aside[group], group, window, aside, PEAK**2)
-    return _chosen(aside != 0, group, other, usual)
+    other, other_said = _mixture(off - aside[group], group, window, aside, PEAK**2)
+    return _chosen((aside != 0) & (none | (other_said > said + SURE)), group, other, usual)
 
 
 def _peak_aside(off: Floats, group: Ints, n: int) -> Floats:
@@ -268,14 +270,15 @@ def _peak_aside(off: Floats, group: Ints, n: int) -> Floats:
     return out
 
 
-def _likeliest(off: Floats, group: Ints, n: int, window: Floats) -> Mixture:
-    """(3) about 0, begun with a wide v, and with a narrow one where it became wider and that is likelier."""
+def _likeliest(off: Floats, group: Ints, n: int, window: Floats) -> tuple[Mixture, Floats]:
+    """(3) about 0, begun with a wide v, and with a narrow one where it became wider and that is likelier; ln L (n)."""
     begin = (WINDOW / 4) ** 2
     usual, said = _mixture(off, group, window, np.zeros(n), begin)
     if not (wider := usual.variance > begin).any():
-        return usual
+        return usual, said
     narrow, narrow_said = _mixture(off, group, window, np.zeros(n), NARROW**2)
-    return _chosen(wider & (narrow_said > said + SURE), group, narrow, usual)
+    better = wider & (narrow_said > said + SURE)
+    return _chosen(better, group, narrow, usual), np.where(better, narrow_said, said)
 
 
 def _mixture(off: Floats, group: Ints, window: Floats, about: Floats, begin: Floats | float) -> tuple[Mixture, Floats]:

@@ -12,7 +12,8 @@ and the epipolar residual e of two images (`epipolar_noise`) by − l δ − l�
 
     Σ g (e − J θ)² / v + Σ (θ / θ₀)²                                                      (2)
 
-with g and v of the mixture that the residuals are, θ₀ what calibrations are usually off. What the images do not tell,
+with g and v of the mixture that the residuals are, of each two cameras about 0 or about where they are likelier
+(`epipolar_noise` (5)), θ₀ what calibrations are usually off. What the images do not tell,
 as a turn of the whole rig, stays as it was by the second term. Positions are solved with the rig as it was given.
 
 Where a file states no lens terms (`missing_lens`), the radial one is a fifth parameter k, which moves the image by
@@ -97,7 +98,7 @@ def rig_step(images: Images, rig: Rig, frames: list[int], likely: Floats, usual:
     C, n = likely.shape
     some = residuals(images, fundamentals(rig.P), frames)
     group = pair_of(some, C)
-    fit = mixture(some.off, group, C * C, some.window)
+    fit = mixture(some.off, group, C * C, some.window, each=True)
     clear = peaked(fit)[group]
     weight = np.where(clear, np.sqrt(fit.weight / fit.variance[group]), 0.0)
     off = some.off * weight

@@ -39,6 +39,8 @@ from ..detection_index import Images, read_images
 from ..following.associate import places_in_image
 from ..following.candidate_points import fundamentals
 from ..noise.epipolar_noise import WINDOW, pair_of, partners, residuals
+from ..noise.measurement_noise import sampled_frames
+from .adjusted_rig import adjusted_rig
 from .misfitting_cameras import image_offset, misfitting, stands_apart
 
 PARTS = 20
@@ -146,7 +148,9 @@ def is_lost(stretch: Stretch, tracks: Tracks, others: Images, detections: Detect
     """
     images, c, cloud = read_images(detections, rig), stretch.camera, tracks.cloud
     if stretch.whole(detections.n_frames):
-        return stands_apart(image_offset(c, tracks, images), others)
+        offset = image_offset(c, tracks, images)
+        nowhere = offset is not None and np.isnan(offset).any()
+        return stands_apart(offset, others) and not (nowhere and _fits_adjusted(c, images, detections, rig))
     uv = places_in_image(images.P[c], cloud.xyz)
     middle = np.abs(uv / images.size[c] - 0.5) < 0.5 - EDGE
     inside = middle.all(1) & ((np.delete(cloud.detection, c, axis=1) >= 0).sum(1) >= 2)
@@ -158,6 +162,13 @@ def is_lost(stretch: Stretch, tracks: Tracks, others: Images, detections: Detect
               for when in (during, ~during)]  # fmt: skip
     markers = (inside & during).sum() / (stretch.stop - stretch.first)
     return bool(shares[0] < LEFT * shares[1] and (1 - shares[1]) ** markers < CHANCE)
+
+
+def _fits_adjusted(c: int, images: Images, detections: Detections, rig: Rig) -> bool:
+    """Whether a camera fits the others where the rig is adjusted to the lines of all: a file that is off by little has
+    images nowhere where points of other cameras want them."""
+    adjusted = adjusted_rig(images, rig, sampled_frames(images))
+    return not any(one.camera == c for one in unfitting_stretches(detections, adjusted))
 
 
 def is_followed(stretch: Stretch, tracks: Tracks, detections: Detections) -> bool:

@@ -7,9 +7,10 @@ that frame: kept, they would leave those that are right without a beginning, fra
 both passes, no other track has any of its images (1). One frame does not show a marker that flickers.
 
 Where accelerations as expected bend a track from one marker to the next, the recording is *crowded*: with the median
-d of the distances of the tracks that begin first to their nearest ones, LEAST_GATE a T² > d (2). There tracks begin
-that go to and fro between two markers, A B B A. Each leaves those after it no three images of one marker in succession,
-so that they do the same. So there new tracks are on trial at any rate, and one frame that does not show them is enough.
+d of the distances of the tracks that begin first to their nearest ones, LEAST_GATE a T² > d (2), a being that of people
+also in a room whose scale is less (`room_scale`). There tracks begin that go to and fro between two markers, A B B A.
+Each leaves those after it no three images of one marker in succession, so that they do the same. So there new tracks
+are on trial at any rate, and one frame that does not show them is enough.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from ....data.progress import tell
 from ....native import inverse
 from ....numerics.returned_memory import return_memory
 from ..detection_index import Images
-from ..simultaneous_method import Simultaneous
+from ..simultaneous_method import DEFAULT, Simultaneous
 from .associate import Association, PredictedImages, associate, information, predict_images, share
 from .candidate_points import CandidatePoints, fundamentals
 from .initiate import LEAST_GATE, InitiatedTracks, initiate
@@ -337,8 +338,10 @@ def _crowded(new: ActiveTracks, T: float, method: Simultaneous) -> bool:
         apart = np.linalg.norm(x[:, :, None] - x[:, None], axis=0)
         np.fill_diagonal(apart, np.inf)
         nearest.append(apart.min(0))
-    near = np.concatenate(nearest)
-    return bool(len(near) and LEAST_GATE * method.acceleration_sd * T * T > np.median(near))
+    near, a = np.concatenate(nearest), method.acceleration_sd
+    if method.uncertain_sd < DEFAULT.uncertain_sd:  # a room whose scale is less
+        a = max(a, DEFAULT.acceleration_sd)
+    return bool(len(near) and LEAST_GATE * a * T * T > np.median(near))
 
 
 def _own(seen: Associations) -> Ints:

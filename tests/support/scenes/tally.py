@@ -1,8 +1,9 @@
 """Tracks against the truth of a scene.
 
 A tracked point is a marker's that lies within NEAR of it, or within four of the standard deviations that the cameras
-allow which see the sample; each marker has one point, the nearest in all. Wanted are samples of which two cameras have
-an image of their own, where these leave no more than OPEN open.
+allow which see the sample; each marker has one point. Of several markers it is that of its images, else the nearest: a
+vague point is near to many. Wanted are samples of which two cameras have an image of their own, where these leave no
+more than OPEN open.
 """
 
 from typing import NamedTuple
@@ -11,6 +12,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 NEAR, OPEN = 10.0, 50.0  # mm
+OF_ITS, NOT_NEAR = 1e3, 1e6  # mm that images of a marker's are worth, and that a marker costs which is not near
 SLACK = 5  # frames that a decision may lie beside the swap that it is about
 
 
@@ -71,8 +73,10 @@ def owners(made, tracks):
         rows = np.arange(len(cloud))[cloud.rows(f)]
         rows = rows[tracks.id[rows] >= 0]
         apart = np.linalg.norm(cloud.xyz[rows][:, None] - made.xyz[:, f], axis=-1)
-        within = apart < reach[:, f]
-        i, j = linear_sum_assignment(np.where(within, apart, 1e3 + apart))
+        within, images = apart < reach[:, f], cloud.detection[rows]
+        its = (images[:, None] == made.image[:, :, f].T) & (images >= 0)[:, None]
+        share = its.sum(-1) / (images >= 0).sum(1)[:, None]
+        i, j = linear_sum_assignment(np.where(within, apart - OF_ITS * share, NOT_NEAR))
         good = within[i, j]
         owner[rows[i[good]]], off[rows[i[good]]] = j[good], apart[i[good], j[good]]
     return owner, off

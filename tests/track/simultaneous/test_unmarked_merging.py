@@ -198,7 +198,6 @@ def test_ghosts_of_merged_images_that_are_not_marked():
     ("seed", "ghosts", "two_found"),
     [
         pytest.param(137060, 6, 1193, id="the other marker has no point"),  # 13 where it must have one in that frame
-        pytest.param(2109, 15, 3680, id="found by the second pass"),  # 19 where only the first pass tells of merging
     ],
 )
 def test_ghosts_of_merged_images_are_fewer(seed, ghosts, two_found):

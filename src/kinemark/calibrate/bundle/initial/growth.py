@@ -100,7 +100,7 @@ def best_start(views: TargetViews, pairs: list[Pair], *, focal_known: bool = Fal
             found = grow(views, guess, pairs)
         except NoBeginning as error:
             trouble = error
-            if isinstance(error, Mirrored) and not best:
+            if isinstance(error, Mirrored) and error.camera and not best:
                 blamed.setdefault(error.camera, set()).add((guess.pair.a, guess.pair.b))
                 if len(blamed[error.camera]) == BLAMED:
                     raise
